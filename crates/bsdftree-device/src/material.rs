@@ -1,0 +1,80 @@
+//! What a surface is made of, as Radiance's reference manual defines it.
+//!
+//! These are descriptions only; how a ray scatters from them is `bsdftree_generate::scatter`.
+//! Colours are linear RGB in Radiance's primaries, each in [0, 1] unless said otherwise.
+
+use glam::DVec3;
+
+/// A material, with the parameters of Radiance's reference manual.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Material {
+    /// `void`: the surface is not there; rays pass through.
+    Void,
+    /// Reflects nothing and transmits nothing: `glow`, `light` (emitters do not scatter).
+    Black,
+    /// `plastic`, `metal`, `trans`, `plastic2`, `metal2`, `trans2`.
+    Gloss(Gloss),
+    /// `glass`: a thin pane, both interfaces in one surface.
+    Glass {
+        /// Transmissivity (not transmittance) of one passage at normal incidence.
+        transmissivity: DVec3,
+        /// Index of refraction; Radiance's default is 1.52.
+        index: f64,
+    },
+    /// `dielectric` and `interface`: a boundary between two media.
+    Dielectric {
+        /// The medium behind the surface (on the side the normal points away from).
+        inside: Medium,
+        /// The medium in front of the surface; a vacuum for `dielectric`.
+        outside: Medium,
+    },
+    /// `mirror`: reflects by `reflectance` from its front; its back is black.
+    Mirror {
+        /// Reflectance, without Fresnel.
+        reflectance: DVec3,
+    },
+}
+
+/// Whether the specular part is coloured, and whether light goes through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GlossKind {
+    /// Specular highlights are white.
+    Plastic,
+    /// Specular highlights take the material's colour.
+    Metal,
+    /// As plastic, and translucent.
+    Trans,
+}
+
+/// The family of `plastic`, `metal` and `trans`, isotropic or anisotropic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gloss {
+    /// Which of the three.
+    pub kind: GlossKind,
+    /// Red, green, blue.
+    pub color: DVec3,
+    /// Fraction of specularity.
+    pub specular: f64,
+    /// RMS slope of the facets along u and v; equal for isotropic materials, 0 for a smooth surface.
+    pub roughness: [f64; 2],
+    /// The direction u that `roughness[0]` belongs to; `None` for isotropic materials.
+    pub orientation: Option<DVec3>,
+    /// `trans`: fraction of the non-specular light that is transmitted, else 0.
+    pub transmission: f64,
+    /// `trans`: fraction of `transmission` that is not diffused, else 0.
+    pub transmitted_specular: f64,
+}
+
+/// What fills the space on one side of a dielectric boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// Transmittance per unit length \[1/m\], after conversion from the scene's unit.
+    pub transmittance: DVec3,
+    /// Index of refraction.
+    pub index: f64,
+}
+
+impl Medium {
+    /// Empty space: index 1, no absorption.
+    pub const VACUUM: Medium = Medium { transmittance: DVec3::ONE, index: 1.0 };
+}

@@ -1,0 +1,1 @@
+//! Ray-traces a device into a variable-resolution BSDF.
