@@ -1,0 +1,330 @@
+//! The whole BSDF: four components, in one or more spectral bands, with what the file says of the device.
+
+use crate::direction::{Direction, Side};
+use crate::klems::Matrix;
+use crate::tree::{Rank, Tree};
+
+/// One function of incident and exitant direction: a tree or a matrix.
+#[derive(Clone, Debug)]
+pub enum Scattering {
+    /// Variable resolution.
+    Tree(Tree),
+    /// Fixed patches.
+    Matrix(Matrix),
+}
+
+/// One of the four parts of a BSDF, named as WINDOW's XML names it: its *Front* is the outside (−Z).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// From outside back to outside.
+    ReflectionFront,
+    /// From the room back to the room.
+    ReflectionBack,
+    /// From outside into the room.
+    TransmissionFront,
+    /// From the room to outside.
+    TransmissionBack,
+}
+
+impl Part {
+    /// All four, in the order of the file format's documentation.
+    pub const ALL: [Part; 4] =
+        [Part::ReflectionFront, Part::ReflectionBack, Part::TransmissionFront, Part::TransmissionBack];
+
+    /// The part that carries light from one side to another.
+    pub fn between(incident: Side, exitant: Side) -> Part {
+        match (incident, exitant) {
+            (Side::Back, Side::Back) => Part::ReflectionFront,
+            (Side::Front, Side::Front) => Part::ReflectionBack,
+            (Side::Back, Side::Front) => Part::TransmissionFront,
+            (Side::Front, Side::Back) => Part::TransmissionBack,
+        }
+    }
+
+    /// The side that light comes from.
+    pub fn incident_side(self) -> Side {
+        match self {
+            Part::ReflectionFront | Part::TransmissionFront => Side::Back,
+            Part::ReflectionBack | Part::TransmissionBack => Side::Front,
+        }
+    }
+
+    /// Whether light leaves on the side it came from.
+    pub fn is_reflection(self) -> bool {
+        matches!(self, Part::ReflectionFront | Part::ReflectionBack)
+    }
+
+    /// The side that light leaves to.
+    pub fn exitant_side(self) -> Side {
+        if self.is_reflection() { self.incident_side() } else { self.incident_side().opposite() }
+    }
+
+    /// `WavelengthDataDirection` in the file.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Part::ReflectionFront => "Reflection Front",
+            Part::ReflectionBack => "Reflection Back",
+            Part::TransmissionFront => "Transmission Front",
+            Part::TransmissionBack => "Transmission Back",
+        }
+    }
+
+    /// The same with an underscore, for programs: `reflection_front`.
+    pub fn key(self) -> &'static str {
+        match self {
+            Part::ReflectionFront => "reflection_front",
+            Part::ReflectionBack => "reflection_back",
+            Part::TransmissionFront => "transmission_front",
+            Part::TransmissionBack => "transmission_back",
+        }
+    }
+}
+
+/// Luminance, and the two functions that add colour to it.
+#[derive(Clone, Debug)]
+pub struct Component {
+    /// Y, or the one value of a band \[1/sr\].
+    pub luminance: Scattering,
+    /// Trees: CIE 1976 u′ and v′. Matrices: X and Z \[1/sr\].
+    pub chroma: Option<[Scattering; 2]>,
+}
+
+impl Component {
+    /// A component without colour.
+    pub fn grey(luminance: Scattering) -> Component {
+        Component { luminance, chroma: None }
+    }
+}
+
+/// The four components of one spectral band; any may be absent.
+#[derive(Clone, Debug)]
+pub struct Band {
+    /// `Visible`, `Solar`, `NIR`, … or a wavelength in nm, as in the file.
+    pub name: String,
+    components: [Option<Component>; 4],
+}
+
+impl Band {
+    /// A band without components.
+    pub fn new(name: impl Into<String>) -> Band {
+        Band { name: name.into(), components: [const { None }; 4] }
+    }
+
+    /// A component as it is in the file.
+    pub fn component(&self, part: Part) -> Option<&Component> {
+        self.components[part as usize].as_ref()
+    }
+
+    /// Puts a component in; gives back the one it replaces.
+    pub fn insert(&mut self, part: Part, component: Component) -> Option<Component> {
+        self.components[part as usize].replace(component)
+    }
+
+    /// The components that are there.
+    pub fn components(&self) -> impl Iterator<Item = (Part, &Component)> {
+        Part::ALL.into_iter().filter_map(|part| Some((part, self.component(part)?)))
+    }
+
+    /// What answers for light from one side to another, and whether it must be reversed: an absent transmission is the
+    /// other one with incident and exitant directions swapped; an absent reflection is black.
+    pub fn answering(&self, incident: Side, exitant: Side) -> Option<(&Component, bool)> {
+        let part = Part::between(incident, exitant);
+        match self.component(part) {
+            Some(component) => Some((component, false)),
+            None if part.is_reflection() => None,
+            None => self.component(Part::between(exitant, incident)).map(|component| (component, true)),
+        }
+    }
+}
+
+/// A unit of length, as the file names it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// Metre.
+    #[default]
+    Meter,
+    /// 0.3048 m.
+    Foot,
+    /// 0.0254 m.
+    Inch,
+    /// 0.01 m.
+    Centimeter,
+    /// 0.001 m.
+    Millimeter,
+}
+
+impl LengthUnit {
+    /// Its length \[m\].
+    pub fn meters(self) -> f64 {
+        match self {
+            LengthUnit::Meter => 1.0,
+            LengthUnit::Foot => 0.3048,
+            LengthUnit::Inch => 0.0254,
+            LengthUnit::Centimeter => 0.01,
+            LengthUnit::Millimeter => 0.001,
+        }
+    }
+
+    /// Its name in the file.
+    pub fn file_name(self) -> &'static str {
+        match self {
+            LengthUnit::Meter => "meter",
+            LengthUnit::Foot => "foot",
+            LengthUnit::Inch => "inch",
+            LengthUnit::Centimeter => "centimeter",
+            LengthUnit::Millimeter => "millimeter",
+        }
+    }
+
+    /// The unit of a name in any case.
+    pub fn from_name(name: &str) -> Option<LengthUnit> {
+        use LengthUnit::*;
+        [Meter, Foot, Inch, Centimeter, Millimeter]
+            .into_iter()
+            .find(|u| u.file_name().eq_ignore_ascii_case(name.trim()))
+    }
+}
+
+/// What the file says of the device. Lengths in metres.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Header {
+    /// Name of the product.
+    pub name: String,
+    /// Its maker.
+    pub manufacturer: String,
+    /// Extent along Z, X and Y \[m\], if given.
+    pub thickness: Option<f64>,
+    /// Extent along X \[m\].
+    pub width: Option<f64>,
+    /// Extent along Y \[m\].
+    pub height: Option<f64>,
+    /// The unit in which the file gives them.
+    pub unit: LengthUnit,
+    /// Geometry as MGF text with its unit, if the file holds it.
+    pub geometry: Option<Geometry>,
+    /// How it was made: comments before the root element, one an entry.
+    pub provenance: Vec<String>,
+}
+
+/// Device geometry inside the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// MGF text.
+    pub mgf: String,
+    /// Its unit of length.
+    pub unit: LengthUnit,
+}
+
+/// A BSDF with all that its file holds.
+#[derive(Clone, Debug, Default)]
+pub struct Bsdf {
+    /// What the file says of the device.
+    pub header: Header,
+    /// Spectral bands; `Visible` is the one that is asked by default.
+    pub bands: Vec<Band>,
+}
+
+impl Bsdf {
+    /// The band of a name, in any case.
+    pub fn band(&self, name: &str) -> Option<&Band> {
+        self.bands.iter().find(|b| b.name.eq_ignore_ascii_case(name))
+    }
+
+    /// The band of a name, made if there is none.
+    pub fn band_mut(&mut self, name: &str) -> &mut Band {
+        let found = self.bands.iter().position(|b| b.name.eq_ignore_ascii_case(name));
+        let index = found.unwrap_or_else(|| {
+            self.bands.push(Band::new(name));
+            self.bands.len() - 1
+        });
+        &mut self.bands[index]
+    }
+}
+
+impl Scattering {
+    /// The BSDF \[1/sr\], no cosine; which sides the directions lie on does not matter here. `reversed`: light that this
+    /// function has going from `exitant` to `incident`.
+    pub fn eval(&self, incident: Direction, exitant: Direction, reversed: bool) -> f64 {
+        let (from, to) = if reversed { (exitant, incident) } else { (incident, exitant) };
+        match self {
+            Scattering::Tree(tree) => tree.eval(from, to),
+            Scattering::Matrix(matrix) => matrix.eval(from, to),
+        }
+    }
+
+    /// Directional-hemispherical total.
+    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
+        match self {
+            Scattering::Tree(tree) => tree.hemispherical(incident, reversed),
+            Scattering::Matrix(matrix) => matrix.hemispherical(incident, reversed),
+        }
+    }
+
+    /// A point of the exitant disk, chosen in proportion to BSDF × projected solid angle, and the BSDF there \[1/sr\].
+    pub fn sample(
+        &self,
+        incident: Direction,
+        u: f64,
+        v: Option<f64>,
+        reversed: bool,
+    ) -> Option<([f64; 2], f64)> {
+        match self {
+            Scattering::Tree(tree) => tree.sample(incident, u, v, reversed),
+            Scattering::Matrix(matrix) => matrix.sample(incident, u, v, reversed),
+        }
+    }
+
+    /// Projected solid angle \[sr\] of the cell that holds the exitant direction.
+    pub fn projected_solid_angle(&self, incident: Direction, exitant: Direction, reversed: bool) -> f64 {
+        match self {
+            Scattering::Tree(tree) if reversed => tree.projected_solid_angle(exitant, incident),
+            Scattering::Tree(tree) => tree.projected_solid_angle(incident, exitant),
+            Scattering::Matrix(matrix) => matrix.projected_solid_angle(exitant, reversed),
+        }
+    }
+
+    /// Smallest and largest projected solid angle \[sr\] of the exitant cells that an incident direction meets.
+    pub fn projected_solid_angle_range(&self, incident: Direction, reversed: bool) -> [f64; 2] {
+        match self {
+            Scattering::Tree(tree) => tree.projected_solid_angle_range(incident, reversed),
+            Scattering::Matrix(matrix) => matrix.projected_solid_angle_range(reversed),
+        }
+    }
+
+    /// The Lambertian part: the reflectance or transmittance of the smallest value, taken everywhere.
+    ///
+    /// Radiance extracts it only where it is above 1 % and, for trees, below 150 %; so do we (0 otherwise).
+    pub fn lambertian(&self) -> f64 {
+        let (minimum, cap) = match self {
+            Scattering::Tree(tree) => (tree.minimum(), 1.5),
+            Scattering::Matrix(matrix) => (matrix.minimum(), f64::INFINITY),
+        };
+        let rho = f64::from(minimum) * std::f64::consts::PI;
+        if rho > 0.01 && rho < cap { rho } else { 0.0 }
+    }
+
+    /// Number of values held.
+    pub fn n_values(&self) -> usize {
+        match self {
+            Scattering::Tree(tree) => tree.arena().n_leaves(),
+            Scattering::Matrix(matrix) => matrix.values().len(),
+        }
+    }
+
+    /// Memory of the values \[byte\].
+    pub fn n_bytes(&self) -> usize {
+        match self {
+            Scattering::Tree(tree) => tree.arena().n_bytes(),
+            Scattering::Matrix(matrix) => std::mem::size_of_val(matrix.values()),
+        }
+    }
+
+    /// `IncidentDataStructure` in the file.
+    pub fn file_structure(&self) -> &'static str {
+        match self {
+            Scattering::Tree(tree) if tree.rank() == Rank::Three => "TensorTree3",
+            Scattering::Tree(_) => "TensorTree4",
+            Scattering::Matrix(_) => "Columns",
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The 2-D Hilbert curve as a state machine.
+//!
+//! At each level the curve visits the four quadrants of a cell in an order that depends on its state, one of
+//! the four symmetries of the square that the curve needs: identity, transposed, anti-transposed, turned by
+//! 180°. (D. Hilbert 1891; the tables follow from composing those symmetries.) Neighbours on the curve
+//! are neighbours in the square, so stratified numbers become stratified directions.
+
+/// A quadrant is x + 2y with x, y ∈ {0, 1}.
+pub type Quadrant = u8;
+
+/// `QUADRANT[state][k]`: the quadrant that is visited k-th.
+const QUADRANT: [[Quadrant; 4]; 4] = [[0, 2, 3, 1], [0, 1, 3, 2], [3, 2, 0, 1], [3, 1, 0, 2]];
+/// `NEXT[state][k]`: the state inside the quadrant that is visited k-th.
+const NEXT: [[u8; 4]; 4] = [[1, 0, 0, 2], [0, 1, 1, 3], [3, 2, 2, 0], [2, 3, 3, 1]];
+/// `ORDER[state][quadrant]`: when a quadrant is visited.
+const ORDER: [[u8; 4]; 4] = [[0, 3, 1, 2], [0, 1, 3, 2], [2, 3, 1, 0], [2, 1, 3, 0]];
+
+/// Where a walk along the curve is: the symmetry of the curve inside the present cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct State(u8);
+
+impl State {
+    /// The quadrant visited k-th (k < 4) and the state inside it.
+    #[inline]
+    pub fn step(self, k: usize) -> (Quadrant, State) {
+        (QUADRANT[self.0 as usize][k & 3], State(NEXT[self.0 as usize][k & 3]))
+    }
+}
+
+/// The Hilbert index of cell (x, y) of a 2^levels × 2^levels grid.
+pub fn hilbert_index(x: u32, y: u32, levels: u32) -> u64 {
+    let (mut index, mut state) = (0u64, 0usize);
+    for level in (0..levels).rev() {
+        let quadrant = ((x >> level) & 1 | ((y >> level) & 1) << 1) as usize;
+        let k = ORDER[state][quadrant];
+        index = index << 2 | u64::from(k);
+        state = NEXT[state][k as usize] as usize;
+    }
+    index
+}
+
+/// The cell (x, y) of a 2^levels × 2^levels grid at a Hilbert index.
+#[inline]
+pub fn cell_from_hilbert(index: u64, levels: u32) -> (u32, u32) {
+    let (mut x, mut y, mut state) = (0, 0, State::default());
+    for level in (0..levels).rev() {
+        let (quadrant, next) = state.step((index >> (2 * level)) as usize & 3);
+        x = x << 1 | u32::from(quadrant & 1);
+        y = y << 1 | u32::from(quadrant >> 1);
+        state = next;
+    }
+    (x, y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn index_and_cell_are_inverse_and_visit_each_cell_once() {
+        let levels = 6;
+        let mut seen = vec![false; 1 << (2 * levels)];
+        for x in 0..1 << levels {
+            for y in 0..1 << levels {
+                let index = hilbert_index(x, y, levels);
+                assert_eq!(cell_from_hilbert(index, levels), (x, y));
+                assert!(!std::mem::replace(&mut seen[index as usize], true));
+            }
+        }
+        assert!(seen.into_iter().all(|s| s));
+    }
+
+    #[test]
+    fn steps_on_the_curve_are_steps_to_a_neighbour() {
+        let levels = 7;
+        for index in 1..1u64 << (2 * levels) {
+            let (a, b) = (cell_from_hilbert(index - 1, levels), cell_from_hilbert(index, levels));
+            assert_eq!(a.0.abs_diff(b.0) + a.1.abs_diff(b.1), 1);
+        }
+    }
+
+    #[test]
+    fn finer_levels_refine_coarser_ones() {
+        for index in 0..1u64 << 10 {
+            let fine = cell_from_hilbert(index, 5);
+            let coarse = cell_from_hilbert(index >> 2, 4);
+            assert_eq!((fine.0 >> 1, fine.1 >> 1), coarse);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! A BSDF component as a matrix over two angle bases.
+//!
+//! The incident patch is looked up by −incident.xy, so that a mirror's reflection and light that goes straight through
+//! both lie on the diagonal.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::cumulative::Cumulative;
+use crate::direction::Direction;
+use crate::hilbert::cell_from_hilbert;
+use crate::klems::Basis;
+
+/// A BSDF component over patches. Values are \[1/sr\], without a cosine.
+pub struct Matrix {
+    incident: Arc<Basis>,
+    exitant: Arc<Basis>,
+    /// One row of exitant patches per incident patch.
+    values: Vec<f32>,
+    /// For each incident patch, its exitant patches; and the other way round.
+    cumulative: [OnceLock<Vec<Cumulative>>; 2],
+}
+
+impl Matrix {
+    /// A matrix of values \[1/sr\], one row of exitant patches per incident patch.
+    ///
+    /// # Errors
+    /// If the number of values is not that of the two bases, or one is negative, NaN or infinite.
+    pub fn new(incident: Arc<Basis>, exitant: Arc<Basis>, values: Vec<f32>) -> Result<Matrix, String> {
+        let (rows, columns) = (incident.n_patches(), exitant.n_patches());
+        if values.len() != rows * columns {
+            return Err(format!(
+                "{} values; expected {rows} incident × {columns} exitant patches",
+                values.len()
+            ));
+        }
+        if let Some(k) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+            let (i, o) = (k / columns, k % columns);
+            return Err(format!(
+                "value {} at incident patch {i}, exitant patch {o} is not a finite number ≥ 0",
+                values[k]
+            ));
+        }
+        Ok(Matrix { incident, exitant, values, cumulative: [const { OnceLock::new() }; 2] })
+    }
+
+    /// The basis of incident directions.
+    pub fn incident(&self) -> &Arc<Basis> {
+        &self.incident
+    }
+
+    /// The basis of exitant directions.
+    pub fn exitant(&self) -> &Arc<Basis> {
+        &self.exitant
+    }
+
+    /// The values \[1/sr\], one row of exitant patches per incident patch.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Incident and exitant patch of a pair of directions.
+    pub fn patches(&self, incident: Direction, exitant: Direction) -> [usize; 2] {
+        [self.incident.patch(opposite(incident)), self.exitant.patch(exitant)]
+    }
+
+    /// The BSDF \[1/sr\] for light from `incident` to `exitant`; which sides they lie on does not matter here.
+    pub fn eval(&self, incident: Direction, exitant: Direction) -> f64 {
+        let [i, o] = self.patches(incident, exitant);
+        f64::from(self.values[i * self.exitant.n_patches() + o])
+    }
+
+    /// Directional-hemispherical total; reversed as in [`Tree::hemispherical`](crate::tree::Tree::hemispherical).
+    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
+        self.slice(incident, reversed).total()
+    }
+
+    /// As [`Tree::sample`](crate::tree::Tree::sample).
+    pub fn sample(
+        &self,
+        incident: Direction,
+        u: f64,
+        v: Option<f64>,
+        reversed: bool,
+    ) -> Option<([f64; 2], f64)> {
+        let (patch, rest) = self.slice(incident, reversed).find(u)?;
+        let (u, v) = match v {
+            Some(v) => (rest, v),
+            None => {
+                const LEVELS: u32 = 24;
+                let n = (1u64 << LEVELS) as f64;
+                let (x, y) = cell_from_hilbert((rest * n * n) as u64, LEVELS);
+                ((f64::from(x) + 0.5) / n, (f64::from(y) + 0.5) / n)
+            }
+        };
+        let n_exitant = self.exitant.n_patches();
+        Some(if reversed {
+            let value = self.values[patch * n_exitant + self.exitant.patch(incident)];
+            (self.incident.disk_point(patch, u, v).map(|c| -c), f64::from(value))
+        } else {
+            let value = self.values[self.incident.patch(opposite(incident)) * n_exitant + patch];
+            (self.exitant.disk_point(patch, u, v), f64::from(value))
+        })
+    }
+
+    /// Projected solid angle \[sr\] of the exitant patch of a pair of directions.
+    pub fn projected_solid_angle(&self, exitant: Direction, reversed: bool) -> f64 {
+        if reversed {
+            self.incident.projected_solid_angle(self.incident.patch(opposite(exitant)))
+        } else {
+            self.exitant.projected_solid_angle(self.exitant.patch(exitant))
+        }
+    }
+
+    /// Smallest and largest projected solid angle \[sr\] of an exitant patch.
+    pub fn projected_solid_angle_range(&self, reversed: bool) -> [f64; 2] {
+        let basis = if reversed { &self.incident } else { &self.exitant };
+        (0..basis.n_patches())
+            .map(|k| basis.projected_solid_angle(k))
+            .fold([f64::INFINITY, 0.0], |[lo, hi], a| [lo.min(a), hi.max(a)])
+    }
+
+    /// Smallest value \[1/sr\].
+    pub fn minimum(&self) -> f32 {
+        self.values.iter().copied().fold(f32::INFINITY, f32::min)
+    }
+
+    fn slice(&self, incident: Direction, reversed: bool) -> &Cumulative {
+        let n_exitant = self.exitant.n_patches();
+        if reversed {
+            let all = self.cumulative[1].get_or_init(|| {
+                let areas: Vec<f64> = areas(&self.incident);
+                let weight = |i: usize, o: usize| f64::from(self.values[i * n_exitant + o]) * areas[i];
+                (0..n_exitant).map(|o| Cumulative::new((0..areas.len()).map(|i| weight(i, o)))).collect()
+            });
+            &all[self.exitant.patch(incident)]
+        } else {
+            let all = self.cumulative[0].get_or_init(|| {
+                let areas: Vec<f64> = areas(&self.exitant);
+                let row =
+                    |row: &[f32]| Cumulative::new(row.iter().zip(&areas).map(|(&f, a)| f64::from(f) * a));
+                self.values.chunks_exact(n_exitant).map(row).collect()
+            });
+            &all[self.incident.patch(opposite(incident))]
+        }
+    }
+}
+
+fn areas(basis: &Basis) -> Vec<f64> {
+    (0..basis.n_patches()).map(|k| basis.projected_solid_angle(k)).collect()
+}
+
+/// Turned by 180° about the normal.
+fn opposite([x, y, z]: Direction) -> Direction {
+    [-x, -y, z]
+}
+
+impl Clone for Matrix {
+    fn clone(&self) -> Matrix {
+        Matrix {
+            incident: Arc::clone(&self.incident),
+            exitant: Arc::clone(&self.exitant),
+            values: self.values.clone(),
+            cumulative: [const { OnceLock::new() }; 2],
+        }
+    }
+}
+
+impl std::fmt::Debug for Matrix {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Matrix")
+            .field("incident", &self.incident.name())
+            .field("exitant", &self.exitant.name())
+            .finish()
+    }
+}

@@ -1,0 +1,266 @@
+//! The tree in memory: one arena of 32-bit slots, a node is its 2^rank children side by side.
+//!
+//! A BSDF value is never negative, so the sign bit of a slot tells a leaf (clear: the bits of an `f32`) from an
+//! inner node (set: the index of the node that holds its children). A rank-4 node is 16 slots, one cache line;
+//! a rank-3 node is half a line. Bit i of a child's number is its half along dimension i, as in the file.
+
+use bytemuck::{Pod, Zeroable};
+use thiserror::Error;
+
+/// Deepest subdivision: 2^15 cells per axis.
+pub const MAX_LOG2_RES: u32 = 15;
+
+/// How many dimensions a tree has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rank {
+    /// Isotropic: incident polar angle, exitant direction.
+    Three,
+    /// Anisotropic: incident direction, exitant direction.
+    Four,
+}
+
+impl Rank {
+    /// 3 or 4.
+    pub fn dimensions(self) -> usize {
+        match self {
+            Rank::Three => 3,
+            Rank::Four => 4,
+        }
+    }
+
+    /// 8 or 16.
+    pub fn n_children(self) -> usize {
+        1 << self.dimensions()
+    }
+}
+
+/// One slot: a leaf's value or a link to a node.
+#[derive(Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Slot(u32);
+
+/// What a slot holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Content {
+    /// A leaf of this value \[1/sr\].
+    Leaf(f32),
+    /// The index of a node.
+    Node(u32),
+}
+
+impl Slot {
+    const NODE: u32 = 1 << 31;
+
+    /// A leaf. Negative zero becomes zero.
+    ///
+    /// # Panics
+    /// If the value is negative or NaN: readers and builders refuse those first.
+    pub fn leaf(value: f32) -> Slot {
+        assert!(value >= 0.0, "a BSDF value is not negative: {value}");
+        Slot((value + 0.0).to_bits())
+    }
+
+    /// What it holds.
+    #[inline]
+    pub fn content(self) -> Content {
+        if self.0 & Self::NODE == 0 {
+            Content::Leaf(f32::from_bits(self.0))
+        } else {
+            Content::Node(self.0 & !Self::NODE)
+        }
+    }
+}
+
+impl std::fmt::Debug for Slot {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.content().fmt(f)
+    }
+}
+
+/// A cache line of slots.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Line([Slot; 16]);
+
+/// A tree that cannot be built.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum TreeError {
+    /// Subdivided more than [`MAX_LOG2_RES`] times.
+    #[error(
+        "the tree is subdivided more than {MAX_LOG2_RES} times; coarsen it to 2^{MAX_LOG2_RES} cells per axis"
+    )]
+    TooDeep,
+    /// More than 2^31 − 1 nodes.
+    #[error("the tree has more than 2^31 − 1 nodes")]
+    TooLarge,
+    /// An array whose axes are not all of one power-of-two length.
+    #[error("a grid of {len} values is not 2^N values along each of {dimensions} axes")]
+    NotAGrid {
+        /// Number of values found.
+        len: usize,
+        /// Number of axes expected.
+        dimensions: usize,
+    },
+    /// A negative, NaN or infinite value.
+    #[error("value {value} at index {index} of the grid is not a finite number ≥ 0")]
+    BadValue {
+        /// Where.
+        index: usize,
+        /// What.
+        value: f32,
+    },
+}
+
+/// The arena of a finished tree.
+#[derive(Clone)]
+pub struct Arena {
+    rank: Rank,
+    log2_res: u32,
+    n_nodes: u32,
+    lines: Vec<Line>,
+    root: Slot,
+}
+
+impl Arena {
+    /// How many dimensions it has.
+    #[inline]
+    pub fn rank(&self) -> Rank {
+        self.rank
+    }
+
+    /// Depth of the deepest leaf: it resolves 2^log2_res cells per axis.
+    #[inline]
+    pub fn log2_res(&self) -> u32 {
+        self.log2_res
+    }
+
+    /// The whole domain.
+    #[inline]
+    pub fn root(&self) -> Slot {
+        self.root
+    }
+
+    /// The children of a node, 2^rank of them.
+    #[inline]
+    pub fn children(&self, node: u32) -> &[Slot] {
+        let n = self.rank.n_children();
+        &self.slots()[node as usize * n..][..n]
+    }
+
+    /// One child of a node.
+    #[inline]
+    pub fn child(&self, node: u32, child: usize) -> Slot {
+        self.slots()[(node as usize) << self.rank.dimensions() | child]
+    }
+
+    /// All slots, node after node.
+    #[inline]
+    pub fn slots(&self) -> &[Slot] {
+        bytemuck::cast_slice(&self.lines)
+    }
+
+    /// Number of nodes.
+    pub fn n_nodes(&self) -> usize {
+        self.n_nodes as usize
+    }
+
+    /// Number of leaves: each node turns one leaf into 2^rank.
+    pub fn n_leaves(&self) -> usize {
+        1 + self.n_nodes() * (self.rank.n_children() - 1)
+    }
+
+    /// Memory of the arena \[byte\].
+    pub fn n_bytes(&self) -> usize {
+        std::mem::size_of_val(self.lines.as_slice())
+    }
+}
+
+/// Builds an [`Arena`] from the leaves up: a node's children exist before it does.
+pub struct TreeBuilder {
+    rank: Rank,
+    lines: Vec<Line>,
+    /// Depth below each node, itself included.
+    depths: Vec<u8>,
+}
+
+impl TreeBuilder {
+    /// Nothing built yet.
+    pub fn new(rank: Rank) -> TreeBuilder {
+        TreeBuilder { rank, lines: Vec::new(), depths: Vec::new() }
+    }
+
+    /// A node over 2^rank children, in branch order (bit i of the child's number is dimension i).
+    ///
+    /// # Panics
+    /// If the number of children is not 2^rank.
+    pub fn node(&mut self, children: &[Slot]) -> Result<Slot, TreeError> {
+        let n = self.rank.n_children();
+        assert_eq!(children.len(), n, "a node of rank {} has {n} children", self.rank.dimensions());
+        let depth = 1 + children.iter().map(|&c| self.depth(c)).max().unwrap_or(0);
+        if depth > MAX_LOG2_RES {
+            return Err(TreeError::TooDeep);
+        }
+        let node =
+            u32::try_from(self.depths.len()).ok().filter(|&k| k < Slot::NODE).ok_or(TreeError::TooLarge)?;
+        let first = node as usize * n;
+        if first / 16 == self.lines.len() {
+            self.lines.push(Line([Slot(0); 16]));
+        }
+        bytemuck::cast_slice_mut::<Line, Slot>(&mut self.lines)[first..first + n].copy_from_slice(children);
+        self.depths.push(depth as u8);
+        Ok(Slot(node | Slot::NODE))
+    }
+
+    /// As [`TreeBuilder::node`], but children that are all leaves of one value become that leaf.
+    pub fn node_or_leaf(&mut self, children: &[Slot]) -> Result<Slot, TreeError> {
+        let uniform =
+            matches!(children[0].content(), Content::Leaf(_)) && children.iter().all(|c| *c == children[0]);
+        if uniform { Ok(children[0]) } else { self.node(children) }
+    }
+
+    /// A uniform grid of 2^log2 cells per axis, row-major with dimension 0 slowest (the file's grid order).
+    ///
+    /// # Panics
+    /// If the number of values is not 2^(rank·log2).
+    pub fn grid(&mut self, values: &[f32], log2: u32) -> Result<Slot, TreeError> {
+        let d = self.rank.dimensions();
+        assert_eq!(values.len(), 1 << (d * log2 as usize), "a grid has 2^(rank·log2) values");
+        let mut corner = [0usize; 4];
+        self.subgrid(values, log2, log2, &mut corner)
+    }
+
+    fn subgrid(
+        &mut self,
+        values: &[f32],
+        log2: u32,
+        level: u32,
+        corner: &mut [usize; 4],
+    ) -> Result<Slot, TreeError> {
+        let d = self.rank.dimensions();
+        if level == 0 {
+            let index = corner[..d].iter().fold(0, |index, &c| index << log2 | c);
+            return Ok(Slot::leaf(values[index]));
+        }
+        let mut children = [Slot(0); 16];
+        for (k, child) in children[..1 << d].iter_mut().enumerate() {
+            let mut at = *corner;
+            (0..d).for_each(|i| at[i] += (k >> i & 1) << (level - 1));
+            *child = self.subgrid(values, log2, level - 1, &mut at)?;
+        }
+        self.node(&children[..1 << d])
+    }
+
+    /// Depth below a slot: 0 for a leaf.
+    pub fn depth(&self, slot: Slot) -> u32 {
+        match slot.content() {
+            Content::Leaf(_) => 0,
+            Content::Node(node) => u32::from(self.depths[node as usize]),
+        }
+    }
+
+    /// The arena under `root`.
+    pub fn finish(self, root: Slot) -> Arena {
+        let n_nodes = self.depths.len() as u32;
+        Arena { rank: self.rank, log2_res: self.depth(root), n_nodes, lines: self.lines, root }
+    }
+}

@@ -1,0 +1,78 @@
+//! From pairs of directions to places in a tree.
+//!
+//! * Rank 4: (d0, d1) = square(−incident.xy), (d2, d3) = square(exitant.xy): a mirror's peak and light that goes
+//!   straight through both lie on the diagonal d2 = d0, d3 = d1.
+//! * Rank 3: d0 = ½ − ½·sin θ_incident, so that only d0 < ½ is used; the exitant direction is turned about Z until
+//!   the incident one lies in the plane y = 0, and (d1, d2) is its square.
+//!
+//! **A direction on the border between cells belongs to the upper cell** in each coordinate. Coordinates are rounded
+//! to multiples of 2⁻⁴⁰ first, so that rounding noise does not choose the cell: normal incidence is (½, ½) and lies in
+//! the upper cell of both incident dimensions. (In Radiance it lies where the last bit of the input puts it.)
+
+use crate::direction::Direction;
+use crate::square::square_from_disk;
+use crate::tree::arena::Rank;
+
+/// Bits of a quantised coordinate.
+pub(super) const QUANTUM_BITS: u32 = 40;
+
+/// Radiance moves d0 of rank 3 down by this much, which puts normal incidence into the used half.
+pub(super) const RANK3_SHIFT: f64 = 1e-6;
+
+/// A place in a tree: one coordinate per dimension as a multiple of 2⁻⁴⁰; incident ones first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Position(pub(super) [u64; 4]);
+
+fn quantized(x: f64) -> u64 {
+    let scale = (1u64 << QUANTUM_BITS) as f64;
+    // The cast saturates at 0 for negative numbers.
+    ((x * scale + 0.5) as u64).min((1 << QUANTUM_BITS) - 1)
+}
+
+/// The incident part of a position: (d0, d1) for rank 4, (d0, 0) for rank 3.
+pub(super) fn incident_coordinates(rank: Rank, incident: Direction) -> [u64; 2] {
+    match rank {
+        Rank::Four => square_from_disk([-incident[0], -incident[1]]).map(quantized),
+        Rank::Three => {
+            let sin_theta = incident[0].hypot(incident[1]).min(1.0);
+            [quantized(0.5 - RANK3_SHIFT - 0.5 * sin_theta), 0]
+        }
+    }
+}
+
+/// Cosine and sine of the azimuth of `−incident`: rank 3 turns exitant directions back by it. (1, 0) at normal incidence.
+pub(super) fn azimuth(incident: Direction) -> [f64; 2] {
+    let r = incident[0].hypot(incident[1]);
+    if r > 0.0 { [-incident[0] / r, -incident[1] / r] } else { [1.0, 0.0] }
+}
+
+/// The exitant square coordinates, unquantised.
+pub(super) fn exitant_square(rank: Rank, incident: Direction, exitant: Direction) -> [f64; 2] {
+    let [x, y] = [exitant[0], exitant[1]];
+    match rank {
+        Rank::Four => square_from_disk([x, y]),
+        Rank::Three => {
+            let [c, s] = azimuth(incident);
+            square_from_disk([c * x + s * y, c * y - s * x])
+        }
+    }
+}
+
+impl Position {
+    /// The place of a pair of directions. Which sides they lie on does not matter here.
+    pub fn new(rank: Rank, incident: Direction, exitant: Direction) -> Position {
+        let [a, b] = incident_coordinates(rank, incident);
+        let [p, q] = exitant_square(rank, incident, exitant).map(quantized);
+        match rank {
+            Rank::Three => Position([a, p, q, 0]),
+            Rank::Four => Position([a, b, p, q]),
+        }
+    }
+
+    /// The place at given coordinates in \[0, 1), as many as the tree has dimensions.
+    pub fn from_coordinates(coordinates: &[f64]) -> Position {
+        let mut position = [0; 4];
+        position.iter_mut().zip(coordinates).for_each(|(p, &x)| *p = quantized(x));
+        Position(position)
+    }
+}

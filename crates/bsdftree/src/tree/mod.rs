@@ -1,0 +1,225 @@
+//! Tensor trees: a BSDF over the square-mapped hemispheres, subdivided where it changes.
+//!
+//! What enters is an [`Arena`] (from a file, a grid, or generation); what leaves are values, samples and totals
+//! for pairs of directions. Reversed queries ask for light travelling the other way.
+
+pub mod arena;
+mod cache;
+mod coordinates;
+mod reverse;
+mod slice;
+mod walk;
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+pub use arena::{Arena, Content, MAX_LOG2_RES, Rank, Slot, TreeBuilder, TreeError};
+pub use coordinates::Position;
+pub use walk::Leaf;
+
+use crate::direction::Direction;
+use crate::square::disk_from_square;
+use cache::SliceCache;
+use coordinates::{QUANTUM_BITS, azimuth, incident_coordinates};
+use reverse::Rank3Reverse;
+use slice::Slice;
+
+/// A BSDF component as a tensor tree of rank 3 or 4. Values are \[1/sr\], without a cosine.
+pub struct Tree {
+    arena: Arena,
+    slices: SliceCache,
+    /// Rank 4: the tree for light travelling the other way.
+    reversed: OnceLock<Box<Tree>>,
+    /// Rank 3: the reversed slice last used.
+    rank3_reverse: Mutex<Option<Arc<Rank3Reverse>>>,
+}
+
+impl Tree {
+    /// A tree over a finished arena.
+    pub fn new(arena: Arena) -> Tree {
+        Tree {
+            arena,
+            slices: SliceCache::default(),
+            reversed: OnceLock::new(),
+            rank3_reverse: Mutex::new(None),
+        }
+    }
+
+    /// One value everywhere.
+    pub fn uniform(rank: Rank, value: f32) -> Tree {
+        Tree::new(TreeBuilder::new(rank).finish(Slot::leaf(value)))
+    }
+
+    /// A tree of a uniform grid, 2^N cells along each of `rank` axes, row-major; equal neighbours become one leaf.
+    ///
+    /// # Errors
+    /// If the length is not (2^N)^rank, or a value is negative, NaN or infinite.
+    pub fn from_grid(rank: Rank, values: &[f32]) -> Result<Tree, TreeError> {
+        let dimensions = rank.dimensions();
+        let log2 = values.len().checked_ilog2().unwrap_or(0) / dimensions as u32;
+        if values.len() != 1 << (dimensions as u32 * log2) {
+            return Err(TreeError::NotAGrid { len: values.len(), dimensions });
+        }
+        if let Some(index) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+            return Err(TreeError::BadValue { index, value: values[index] });
+        }
+        let mut builder = TreeBuilder::new(rank);
+        let root = builder.grid(values, log2)?;
+        Ok(Tree::new(builder.finish(root)).merged())
+    }
+
+    /// The tree with nodes whose children are all one value replaced by that value.
+    pub fn merged(&self) -> Tree {
+        fn merge(arena: &Arena, slot: Slot, builder: &mut TreeBuilder) -> Slot {
+            let Content::Node(node) = slot.content() else { return slot };
+            let n = arena.rank().n_children();
+            let mut children = [slot; 16];
+            for (merged, &child) in children.iter_mut().zip(arena.children(node)) {
+                *merged = merge(arena, child, builder);
+            }
+            builder.node_or_leaf(&children[..n]).expect("merging makes a legal tree smaller")
+        }
+        let mut builder = TreeBuilder::new(self.rank());
+        let root = merge(&self.arena, self.arena.root(), &mut builder);
+        Tree::new(builder.finish(root))
+    }
+
+    /// The slots themselves.
+    pub fn arena(&self) -> &Arena {
+        &self.arena
+    }
+
+    /// 3 or 4 dimensions.
+    pub fn rank(&self) -> Rank {
+        self.arena.rank()
+    }
+
+    /// The value at a place \[1/sr\].
+    #[inline]
+    pub fn value(&self, position: Position) -> f32 {
+        self.leaf_at(position).0
+    }
+
+    /// The value \[1/sr\] and the level of the leaf at a place.
+    #[inline]
+    pub fn leaf_at(&self, Position(p): Position) -> (f32, u32) {
+        let dimensions = self.rank().dimensions();
+        let mut slot = self.arena.root();
+        let mut level = 0;
+        loop {
+            match slot.content() {
+                Content::Leaf(value) => return (value, level),
+                Content::Node(node) => {
+                    let shift = QUANTUM_BITS - 1 - level;
+                    let bit = |i: usize| ((p[i] >> shift & 1) as usize) << i;
+                    let child = bit(0) | bit(1) | bit(2) | if dimensions == 4 { bit(3) } else { 0 };
+                    slot = self.arena.child(node, child);
+                    level += 1;
+                }
+            }
+        }
+    }
+
+    /// The BSDF \[1/sr\] for light from `incident` to `exitant`; which sides they lie on does not matter here.
+    pub fn eval(&self, incident: Direction, exitant: Direction) -> f64 {
+        f64::from(self.value(Position::new(self.rank(), incident, exitant)))
+    }
+
+    /// Directional-hemispherical total for light from `incident`, or, reversed, for light that this tree has arriving
+    /// from everywhere and leaving to `incident`.
+    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
+        match self.reversed_for(reversed, incident) {
+            Reversed::Tree(tree) => tree.slice(incident).total(),
+            Reversed::Rank3(slice) => slice.total(),
+        }
+    }
+
+    /// A point of the exitant disk chosen in proportion to the projected-solid-angle-weighted BSDF, and the BSDF there
+    /// \[1/sr\]; `None` where it is black. One number in \[0, 1), or two.
+    pub fn sample(
+        &self,
+        incident: Direction,
+        u: f64,
+        v: Option<f64>,
+        reversed: bool,
+    ) -> Option<([f64; 2], f64)> {
+        match self.reversed_for(reversed, incident) {
+            Reversed::Tree(tree) => {
+                let (square, value) = tree.slice(incident).sample(u, v)?;
+                let [x, y] = disk_from_square(square);
+                Some(match tree.rank() {
+                    Rank::Four => ([x, y], value),
+                    Rank::Three => {
+                        let [c, s] = azimuth(incident);
+                        ([c * x - s * y, s * x + c * y], value)
+                    }
+                })
+            }
+            Reversed::Rank3(slice) => slice.sample(incident[1].atan2(incident[0]), u, v),
+        }
+    }
+
+    /// Projected solid angle \[sr\] of the exitant side of the leaf that holds a pair of directions.
+    pub fn projected_solid_angle(&self, incident: Direction, exitant: Direction) -> f64 {
+        slice::area(self.leaf_at(Position::new(self.rank(), incident, exitant)).1)
+    }
+
+    /// Smallest and largest projected solid angle \[sr\] of the leaves that an incident direction meets.
+    pub fn projected_solid_angle_range(&self, incident: Direction, reversed: bool) -> [f64; 2] {
+        let tree = match self.rank() {
+            Rank::Four if reversed => self.reversed(),
+            // The incident cell of the same polar angle: isotropic resolution is alike both ways.
+            _ => self,
+        };
+        tree.slice(incident).projected_solid_angle()
+    }
+
+    /// Rank 4: the tree for light travelling the other way.
+    fn reversed(&self) -> &Tree {
+        self.reversed.get_or_init(|| Box::new(Tree::new(reverse::reversed(&self.arena))))
+    }
+
+    fn reversed_for(&self, reversed: bool, incident: Direction) -> Reversed<'_> {
+        match (reversed, self.rank()) {
+            (false, _) => Reversed::Tree(self),
+            (true, Rank::Four) => Reversed::Tree(self.reversed()),
+            (true, Rank::Three) => {
+                Reversed::Rank3(self.rank3_reverse(incident[0].hypot(incident[1]).min(1.0)))
+            }
+        }
+    }
+
+    fn slice(&self, incident: Direction) -> Arc<Slice> {
+        let shift = QUANTUM_BITS - self.arena.log2_res();
+        let cell = incident_coordinates(self.rank(), incident).map(|c| (c >> shift) as u32);
+        self.slices.slice(&self.arena, cell)
+    }
+
+    fn rank3_reverse(&self, sin_theta: f64) -> Arc<Rank3Reverse> {
+        let mut last = self.rank3_reverse.lock().unwrap_or_else(PoisonError::into_inner);
+        match last.as_ref() {
+            Some(slice) if slice.sin_theta() == sin_theta => Arc::clone(slice),
+            _ => Arc::clone(last.insert(Arc::new(Rank3Reverse::new(&self.arena, sin_theta)))),
+        }
+    }
+}
+
+enum Reversed<'a> {
+    Tree(&'a Tree),
+    Rank3(Arc<Rank3Reverse>),
+}
+
+impl Clone for Tree {
+    fn clone(&self) -> Tree {
+        Tree::new(self.arena.clone())
+    }
+}
+
+impl std::fmt::Debug for Tree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Tree")
+            .field("rank", &self.rank())
+            .field("log2_res", &self.arena.log2_res())
+            .field("n_leaves", &self.arena.n_leaves())
+            .finish()
+    }
+}
