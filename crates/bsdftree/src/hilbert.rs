@@ -52,6 +52,18 @@ pub fn cell_from_hilbert(index: u64, levels: u32) -> (u32, u32) {
     (x, y)
 }
 
+/// Two numbers in (0, 1) for a choice inside a cell: the two given, or one unfolded along the curve.
+/// Both are moved to the middle of their 2⁻²⁴, so that rounding never takes them out of the cell.
+pub(crate) fn unfold(u: f64, v: Option<f64>) -> [f64; 2] {
+    const LEVELS: u32 = 24;
+    let n = f64::from(1u32 << LEVELS);
+    let (x, y) = match v {
+        Some(v) => ((u * n) as u32, (v * n) as u32),
+        None => cell_from_hilbert((u * n * n) as u64, LEVELS),
+    };
+    [x, y].map(|k| (f64::from(k.min((1 << LEVELS) - 1)) + 0.5) / n)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,15 +1,17 @@
 //! Variable-resolution BSDFs.
 
-pub mod bsdf;
-pub mod color;
-mod cumulative;
 pub mod direction;
-pub mod hilbert;
-pub mod klems;
 pub mod square;
+pub mod hilbert;
+mod cumulative;
 pub mod tree;
+pub mod klems;
+pub mod color;
+pub mod bsdf;
+pub mod query;
 
 pub use bsdf::{Band, Bsdf, Component, Geometry, Header, LengthUnit, Part, Scattering};
 pub use direction::{Direction, Side};
 pub use klems::{Basis, Matrix};
+pub use query::{Lobes, Sample};
 pub use tree::{Rank, Tree};

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::cumulative::Cumulative;
 use crate::direction::Direction;
-use crate::hilbert::cell_from_hilbert;
+use crate::hilbert::unfold;
 use crate::klems::Basis;
 
 /// A BSDF component over patches. Values are \[1/sr\], without a cosine.
@@ -83,15 +83,7 @@ impl Matrix {
         reversed: bool,
     ) -> Option<([f64; 2], f64)> {
         let (patch, rest) = self.slice(incident, reversed).find(u)?;
-        let (u, v) = match v {
-            Some(v) => (rest, v),
-            None => {
-                const LEVELS: u32 = 24;
-                let n = (1u64 << LEVELS) as f64;
-                let (x, y) = cell_from_hilbert((rest * n * n) as u64, LEVELS);
-                ((f64::from(x) + 0.5) / n, (f64::from(y) + 0.5) / n)
-            }
-        };
+        let [u, v] = unfold(rest, v);
         let n_exitant = self.exitant.n_patches();
         Some(if reversed {
             let value = self.values[patch * n_exitant + self.exitant.patch(incident)];

@@ -11,7 +11,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use crate::cumulative::Cumulative;
-use crate::hilbert::cell_from_hilbert;
+use crate::hilbert::unfold;
 use crate::tree::arena::{Arena, Content, Rank, Slot, TreeBuilder};
 use crate::tree::coordinates::{QUANTUM_BITS, RANK3_SHIFT};
 
@@ -78,15 +78,7 @@ impl Rank3Reverse {
     pub fn sample(&self, incident_phi: f64, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
         let (index, rest) = self.cumulative.find(u)?;
         let patch = &self.patches[index];
-        let (across, along) = match v {
-            Some(v) => (rest, v),
-            None => {
-                const LEVELS: u32 = 24;
-                let n = (1u64 << LEVELS) as f64;
-                let (x, y) = cell_from_hilbert((rest * n * n) as u64, LEVELS);
-                ((f64::from(x) + 0.5) / n, (f64::from(y) + 0.5) / n)
-            }
-        };
+        let [across, along] = unfold(rest, v);
         let lerp = |[a, b]: [f64; 2], t: f64| a + (b - a) * t;
         let r = lerp(patch.r2, across).sqrt();
         let phi = incident_phi - PI - lerp(patch.psi, along);

@@ -56,21 +56,20 @@ impl Slice {
         let (index, rest) = self.cumulative.find(u)?;
         let cell = self.cells[index];
         let below = LEVELS - cell.level;
+        let n = 1u64 << below;
         let (x, y) = match v {
             None => {
-                let n = (1u64 << (2 * below)) as f64;
-                let inside = ((rest * n) as u64).min((1 << (2 * below)) - 1);
-                let (x, y) = cell_from_hilbert(cell.hilbert << (2 * below) | inside, LEVELS);
-                (f64::from(x) + 0.5, f64::from(y) + 0.5)
+                let inside = ((rest * (n * n) as f64) as u64).min(n * n - 1);
+                cell_from_hilbert(cell.hilbert << (2 * below) | inside, LEVELS)
             }
             Some(v) => {
                 let (x, y) = cell_from_hilbert(cell.hilbert, cell.level);
-                let size = f64::from(1u32 << below);
-                ((f64::from(x) + rest) * size, (f64::from(y) + v) * size)
+                let within = |t: f64| ((t * n as f64) as u64).min(n - 1) as u32;
+                (x << below | within(rest), y << below | within(v))
             }
         };
-        let scale = 0.5f64.powi(LEVELS as i32);
-        Some(([x * scale, y * scale], f64::from(cell.value)))
+        let center = |k: u32| (f64::from(k) + 0.5) * 0.5f64.powi(LEVELS as i32);
+        Some(([center(x), center(y)], f64::from(cell.value)))
     }
 
     /// Smallest and largest projected solid angle of a leaf \[sr\].
