@@ -109,7 +109,9 @@ fn reversed_samples_follow_the_reversed_function() {
                 (total - hemispherical).abs() < if exact { 1e-12 } else { 3e-3 } * total,
                 "{total} {hemispherical}"
             );
-            let scaled: Vec<_> = sums.iter().map(|s| s / total * N_SAMPLES as f64).collect();
+            // A patch may enter a bin by less than the midpoints of the sum see.
+            let floor = if exact { 0.0 } else { 0.05 };
+            let scaled: Vec<_> = sums.iter().map(|s| (s / total * N_SAMPLES as f64).max(floor)).collect();
             fits(&counts(&band, incident, false, &mut random), &scaled).unwrap();
         }
     }
