@@ -1,0 +1,335 @@
+//! Random numbers that are a function of where they are used, not of who used one before.
+//!
+//! In: a seed, the incident cell, the number of the sample within the cell. Out: uniform numbers in [0, 1).
+//! Invariant: equal (seed, cell, sample) give equal numbers on every machine, thread and worker, and different
+//! ones never share a block, so results do not depend on how the work was divided.
+//!
+//! Sources: Philox4x32-10, J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy
+//! as 1, 2, 3", SC '11, doi:10.1145/2063384.2063405. The stratified points: S. Joe, F. Y. Kuo,
+//! "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008), with the
+//! digital form of the random shift of R. Cranley, T. N. L. Patterson, SIAM J. Numer. Anal. 13 (1976).
+
+/// Cells and samples are numbered below this: 48 bits each, which with a 32-bit block number fill the counter.
+pub const NUMBER_LIMIT: u64 = 1 << 48;
+
+/// One block of Philox4x32-10: four random words for a counter and a key.
+#[inline]
+pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
+    // Multipliers and Weyl increments of the paper, table 2 and section 3.3.
+    const MULTIPLIER: [u64; 2] = [0xD251_1F53, 0xCD9E_8D57];
+    const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+    for _ in 0..10 {
+        let products = [u64::from(counter[0]) * MULTIPLIER[0], u64::from(counter[2]) * MULTIPLIER[1]];
+        counter = [
+            (products[1] >> 32) as u32 ^ counter[1] ^ key[0],
+            products[1] as u32,
+            (products[0] >> 32) as u32 ^ counter[3] ^ key[1],
+            products[0] as u32,
+        ];
+        key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+    }
+    counter
+}
+
+/// The middle of one of 2³² equal intervals of (0, 1).
+#[inline]
+fn open(word: u32) -> f64 {
+    (f64::from(word) + 0.5) * 2.0_f64.powi(-32)
+}
+
+fn key(seed: u64) -> [u32; 2] {
+    [seed as u32, (seed >> 32) as u32]
+}
+
+/// The stream of random numbers of one path.
+#[derive(Clone, Debug)]
+pub struct Random {
+    key: [u32; 2],
+    /// Block number, sample (low 32 bits), sample and cell (16 high bits of each), cell (low 32 bits).
+    counter: [u32; 4],
+    block: [u32; 4],
+    used: usize,
+}
+
+impl Random {
+    /// The stream of sample `sample` of incident cell `cell`.
+    ///
+    /// # Panics
+    /// If `cell` or `sample` is not below [`NUMBER_LIMIT`]: streams would coincide.
+    #[inline]
+    pub fn new(seed: u64, cell: u64, sample: u64) -> Self {
+        assert!((cell | sample) < NUMBER_LIMIT, "cell {cell} and sample {sample} must be below 2^48");
+        let high = (sample >> 32) as u32 | ((cell >> 32) as u32) << 16;
+        Random { key: key(seed), counter: [0, sample as u32, high, cell as u32], block: [0; 4], used: 4 }
+    }
+
+    /// 32 random bits.
+    #[inline]
+    pub fn next_u32(&mut self) -> u32 {
+        if self.used == 4 {
+            self.refill();
+        }
+        let word = self.block[self.used & 3];
+        self.used += 1;
+        word
+    }
+
+    // Apart from its callers, which there are many of and each would carry a copy.
+    #[inline(never)]
+    fn refill(&mut self) {
+        self.block = philox4x32(self.counter, self.key);
+        self.counter[0] += 1;
+        self.used = 0;
+    }
+
+    /// Uniform in [0, 1), a multiple of 2⁻²⁴. Uses one word.
+    #[inline]
+    pub fn next_f32(&mut self) -> f32 {
+        (self.next_u32() >> 8) as f32 * 2.0_f32.powi(-24)
+    }
+
+    /// Uniform in [0, 1), a multiple of 2⁻⁵³. Uses two words.
+    #[inline]
+    pub fn next_f64(&mut self) -> f64 {
+        let (high, low) = (u64::from(self.next_u32() >> 5), u64::from(self.next_u32() >> 6));
+        (high << 26 | low) as f64 * 2.0_f64.powi(-53)
+    }
+
+    /// Uniform in (0, 1), the middle of one of 2³² intervals: safe for logarithms and divisions. Uses one word.
+    #[inline]
+    pub fn next_open(&mut self) -> f64 {
+        open(self.next_u32())
+    }
+}
+
+/// The first four numbers of each path of an incident cell, spread evenly: incident square (2), origin (2).
+///
+/// A Sobol sequence, each coordinate exclusive-ored with random bits of the cell. Each point by itself is uniform
+/// because those bits are, so that a mean over any number of points is unbiased; it is best over a power of two.
+#[derive(Clone, Debug)]
+pub struct Stratified {
+    shift: [u64; 4],
+}
+
+impl Stratified {
+    /// The points of incident cell `cell`.
+    ///
+    /// # Panics
+    /// If `cell` is not below [`NUMBER_LIMIT`].
+    pub fn new(seed: u64, cell: u64) -> Self {
+        // The last blocks of the counter, which no path reaches, so that shifts share no bits with paths.
+        let mut random = Random::new(seed, cell, 0);
+        random.counter[0] = u32::MAX - 2;
+        Stratified {
+            shift: [(); 4].map(|()| u64::from(random.next_u32()) << 32 | u64::from(random.next_u32())),
+        }
+    }
+
+    /// Point number `sample` (below [`NUMBER_LIMIT`]), each coordinate in [0, 1).
+    ///
+    /// # Panics
+    /// If `sample` is not below [`NUMBER_LIMIT`].
+    #[inline]
+    pub fn point(&self, sample: u64) -> [f64; 4] {
+        let (mut point, mut left) = (self.shift, sample);
+        while left != 0 {
+            let direction = &DIRECTIONS[left.trailing_zeros() as usize];
+            point = [0, 1, 2, 3].map(|j| point[j] ^ direction[j]);
+            left &= left - 1;
+        }
+        point.map(|bits| (bits >> 11) as f64 * 2.0_f64.powi(-53))
+    }
+}
+
+/// Direction numbers of the four coordinates for each bit of a sample's number, as 64-bit fractions.
+static DIRECTIONS: [[u64; 4]; 48] = directions();
+
+const fn directions() -> [[u64; 4]; 48] {
+    // Degree, inner coefficients and first numbers of the primitive polynomials of the table new-joe-kuo-6.
+    const POLYNOMIALS: [(usize, u64, [u64; 3]); 4] =
+        [(0, 0, [0, 0, 0]), (1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
+    let mut table = [[0; 4]; 48];
+    let mut j = 0;
+    while j < 4 {
+        let (degree, inner, first) = POLYNOMIALS[j];
+        let mut bit = 0;
+        while bit < 48 {
+            table[bit][j] = if degree == 0 {
+                1 << (63 - bit)
+            } else if bit < degree {
+                first[bit] << (63 - bit)
+            } else {
+                let mut v = table[bit - degree][j] ^ (table[bit - degree][j] >> degree);
+                let mut k = 1;
+                while k < degree {
+                    if (inner >> (degree - 1 - k)) & 1 == 1 {
+                        v ^= table[bit - k][j];
+                    }
+                    k += 1;
+                }
+                v
+            };
+            bit += 1;
+        }
+        j += 1;
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn philox_gives_the_published_answers() {
+        // File kat_vectors of Random123, the paper's reference library.
+        let cases = [
+            ([0; 4], [0; 2], [0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8]),
+            ([u32::MAX; 4], [u32::MAX; 2], [0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd]),
+            (
+                [0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344],
+                [0xa4093822, 0x299f31d0],
+                [0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1],
+            ),
+        ];
+        for (counter, key, expected) in cases {
+            assert_eq!(philox4x32(counter, key), expected);
+        }
+    }
+
+    #[test]
+    fn every_part_of_the_address_changes_the_stream() {
+        let first = |seed, cell, sample| Random::new(seed, cell, sample).next_f64();
+        let parts =
+            [(0, 0, 0), (1, 0, 0), (1 << 32, 0, 0), (0, 1, 0), (0, 1 << 32, 0), (0, 0, 1), (0, 0, 1 << 32)];
+        for (i, a) in parts.iter().enumerate() {
+            for b in &parts[..i] {
+                assert_ne!(first(a.0, a.1, a.2), first(b.0, b.1, b.2), "{a:?} {b:?}");
+            }
+        }
+        let last = NUMBER_LIMIT - 1;
+        assert_eq!(Random::new(0, last, last).counter, [0, u32::MAX, u32::MAX, u32::MAX]);
+    }
+
+    #[test]
+    #[should_panic(expected = "below 2^48")]
+    fn numbers_that_would_share_a_stream_are_refused() {
+        Random::new(0, NUMBER_LIMIT, 0);
+    }
+
+    #[test]
+    fn words_continue_across_blocks() {
+        let mut random = Random::new(5, 6, 7);
+        let words: Vec<u32> = (0..8).map(|_| random.next_u32()).collect();
+        assert_eq!(words[..4], philox4x32([0, 7, 0, 6], [5, 0]));
+        assert_eq!(words[4..], philox4x32([1, 7, 0, 6], [5, 0]));
+    }
+
+    #[test]
+    fn numbers_are_uniform_and_inside_their_interval() {
+        // χ² with 99 degrees of freedom: 179 is exceeded with probability 1.5e-6.
+        let mut random = Random::new(1, 2, 3);
+        for draw in
+            [|r: &mut Random| r.next_f64(), |r: &mut Random| f64::from(r.next_f32()), Random::next_open]
+        {
+            let mut counts = [0.0; 100];
+            for _ in 0..100_000 {
+                let u = draw(&mut random);
+                assert!((0.0..1.0).contains(&u));
+                counts[(u * 100.0) as usize] += 1.0;
+            }
+            let chi2: f64 = counts.iter().map(|n| (n - 1000.0_f64).powi(2) / 1000.0).sum();
+            assert!(chi2 < 179.0, "χ² = {chi2}");
+        }
+    }
+
+    #[test]
+    fn extreme_words_stay_inside_the_interval() {
+        let extreme = |word| Random { key: [0; 2], counter: [0; 4], block: [word; 4], used: 0 };
+        assert_eq!(extreme(0).next_f64(), 0.0);
+        assert!(extreme(u32::MAX).next_f64() < 1.0 && extreme(u32::MAX).next_f32() < 1.0);
+        assert!(extreme(0).next_open() > 0.0 && extreme(u32::MAX).next_open() < 1.0);
+    }
+
+    /// A smooth function of all four coordinates with mean (1 − 1/e)⁴.
+    fn smooth(p: [f64; 4]) -> f64 {
+        p.iter().map(|x| (-x).exp()).product()
+    }
+
+    #[test]
+    fn stratified_points_are_unbiased_for_any_number_of_them() {
+        let exact = (1.0 - (-1.0_f64).exp()).powi(4);
+        for n in [1, 3, 10, 100] {
+            let runs: Vec<f64> = (0..4000)
+                .map(|cell| {
+                    let points = Stratified::new(9, cell);
+                    (0..n).map(|k| smooth(points.point(k))).sum::<f64>() / n as f64
+                })
+                .collect();
+            let mean = runs.iter().sum::<f64>() / runs.len() as f64;
+            let variance = runs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (runs.len() - 1) as f64;
+            let z = (mean - exact) / (variance / runs.len() as f64).sqrt();
+            assert!(z.abs() < 4.5, "n = {n}: z = {z}");
+        }
+    }
+
+    #[test]
+    fn stratified_points_are_those_of_sobol() {
+        // Points 1 to 7 of scipy.stats.qmc.Sobol(4, scramble=False) in its Gray-code order, times 8.
+        let sobol = Stratified { shift: [0; 4] };
+        let gray = |k: u64| sobol.point(k ^ (k >> 1)).map(|x| 8.0 * x);
+        let expected: [[f64; 4]; 7] = [
+            [4.0, 4.0, 4.0, 4.0],
+            [6.0, 2.0, 2.0, 2.0],
+            [2.0, 6.0, 6.0, 6.0],
+            [3.0, 3.0, 5.0, 7.0],
+            [7.0, 7.0, 1.0, 3.0],
+            [5.0, 1.0, 7.0, 5.0],
+            [1.0, 5.0, 3.0, 1.0],
+        ];
+        assert_eq!(std::array::from_fn(|k| gray(k as u64 + 1)), expected);
+    }
+
+    #[test]
+    fn stratified_points_fill_every_elementary_interval() {
+        // Each coordinate in 2^10 intervals, and the incident square in each grid of 2^10 equal rectangles: one point each.
+        let points = Stratified::new(7, 7);
+        let points: Vec<_> = (0..1024).map(|k| points.point(k)).collect();
+        let filled = |index: &dyn Fn(&[f64; 4]) -> usize| {
+            let mut seen = vec![false; 1024];
+            points.iter().for_each(|p| seen[index(p)] = true);
+            seen.iter().all(|&s| s)
+        };
+        for j in 0..4 {
+            assert!(filled(&|p| (p[j] * 1024.0) as usize));
+        }
+        for log2 in 0..=10 {
+            let columns = f64::from(1 << log2);
+            assert!(filled(
+                &|p| (p[0] * columns) as usize + (p[1] * 1024.0 / columns) as usize * columns as usize
+            ));
+        }
+    }
+
+    #[test]
+    fn stratified_points_integrate_better_than_independent_ones() {
+        let exact = (1.0 - (-1.0_f64).exp()).powi(4);
+        let n = 1000;
+        let error2 = |mean: f64| (mean - exact).powi(2);
+        let (mut stratified, mut independent) = (0.0, 0.0);
+        for cell in 0..100 {
+            let points = Stratified::new(4, cell);
+            stratified += error2((0..n).map(|k| smooth(points.point(k))).sum::<f64>() / n as f64);
+            independent += error2(
+                (0..n)
+                    .map(|k| {
+                        let mut random = Random::new(4, cell, k);
+                        smooth(std::array::from_fn(|_| random.next_f64()))
+                    })
+                    .sum::<f64>()
+                    / n as f64,
+            );
+        }
+        assert!(stratified < independent / 50.0, "{stratified} {independent}");
+    }
+}

@@ -1,0 +1,156 @@
+//! How a ray scatters at a surface.
+//!
+//! In: a material, the surface's normal, the direction a ray travels in, random numbers. Out: nothing (absorbed), or
+//! one new direction with the factor the path's weight takes. Invariant: the mean of that factor over the random numbers,
+//! in any solid angle, is the material's BSDF times cosine over it: unbiased, and never more energy out than in.
+//! Directions are unit vectors that point along travel.
+//!
+//! Source: Radiance's reference manual for the materials; where a file here deviates, it says so.
+//!
+//! ```
+//! use bsdftree_device::material::Material;
+//! use bsdftree_generate::random::Random;
+//! use bsdftree_generate::scatter::PreparedMaterial;
+//! use glam::DVec3;
+//!
+//! let mirror = PreparedMaterial::<f64>::new(&Material::Mirror { reflectance: DVec3::splat(0.9) });
+//! let scatter = mirror.scatter(DVec3::Z, DVec3::NEG_Z, &mut Random::new(0, 0, 0)).unwrap();
+//! assert_eq!(scatter.direction, DVec3::Z);
+//! assert!((scatter.weight - 0.9).abs() < 1e-12);
+//! ```
+
+mod dielectric;
+mod frame;
+mod fresnel;
+mod glass;
+mod gloss;
+mod spectrum;
+#[cfg(test)]
+mod test_support;
+#[cfg(test)]
+mod tests;
+
+use bsdftree_device::material::{Gloss, Material};
+use glam::DVec3;
+
+pub use dielectric::attenuation;
+pub use spectrum::{LUMINANCE, Spectrum};
+
+use crate::random::Random;
+
+/// Where a ray goes on from a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter<S> {
+    /// Unit vector along travel.
+    pub direction: DVec3,
+    /// What the path's weight is multiplied by.
+    pub weight: S,
+    /// Whether the ray is now on the other side of the surface.
+    pub transmitted: bool,
+}
+
+impl<S> Scatter<S> {
+    #[inline]
+    fn reflected(direction: DVec3, weight: S) -> Self {
+        Scatter { direction, weight, transmitted: false }
+    }
+
+    #[inline]
+    fn transmitted(direction: DVec3, weight: S) -> Self {
+        Scatter { direction, weight, transmitted: true }
+    }
+}
+
+/// A material with all that does not depend on the ray worked out; `S` is what the path carries.
+#[derive(Clone, Debug)]
+pub struct PreparedMaterial<S>(Prepared<S>);
+
+#[derive(Clone, Debug)]
+enum Prepared<S> {
+    Void,
+    Black,
+    Gloss(gloss::PreparedGloss<S>),
+    Glass(glass::Pane),
+    Dielectric(dielectric::Interface),
+    Mirror(S),
+}
+
+impl<S: Spectrum> PreparedMaterial<S> {
+    /// Prepares `material`, whose parameters are legal (the reader's business).
+    pub fn new(material: &Material) -> Self {
+        PreparedMaterial(match material {
+            Material::Void => Prepared::Void,
+            Material::Black => Prepared::Black,
+            Material::Gloss(gloss) => Prepared::Gloss(gloss::PreparedGloss::new(gloss)),
+            Material::Glass { transmissivity, index } => {
+                Prepared::Glass(glass::Pane::new(*transmissivity, *index))
+            }
+            Material::Dielectric { inside, outside } => {
+                Prepared::Dielectric(dielectric::Interface { inside: *inside, outside: *outside })
+            }
+            Material::Mirror { reflectance } => Prepared::Mirror(S::from_rgb(*reflectance)),
+        })
+    }
+
+    /// Scatters a ray that travels along the unit vector `incoming` and hits a surface with the unit `normal` of its
+    /// front, from either side. `None` if it is absorbed. One lobe is taken at random, by luminous weight.
+    #[inline]
+    pub fn scatter(&self, normal: DVec3, incoming: DVec3, random: &mut Random) -> Option<Scatter<S>> {
+        match &self.0 {
+            Prepared::Gloss(gloss) => gloss.scatter(normal, incoming, random),
+            Prepared::Glass(pane) => pane.scatter(normal, incoming, random),
+            Prepared::Dielectric(interface) => Some(interface.scatter(normal, incoming, random)),
+            Prepared::Mirror(reflectance) => (is_front(normal, incoming) && reflectance.luminance() > 0.0)
+                .then(|| {
+                    Scatter::reflected(frame::mirrored(incoming, normal, -incoming.dot(normal)), *reflectance)
+                }),
+            Prepared::Void => Some(Scatter::transmitted(incoming, S::WHITE)),
+            Prepared::Black => None,
+        }
+    }
+
+    /// Transmittance \[1/m\] of the medium on one side of the surface, or `None` if the surface bounds no media.
+    ///
+    /// A tracer multiplies by [`attenuation`] over each segment. As in Radiance, the medium is that on the side of the
+    /// surface a segment starts from or ends at; between surfaces that bound no media, it stays what it was.
+    #[inline]
+    pub fn medium(&self, front: bool) -> Option<DVec3> {
+        match &self.0 {
+            Prepared::Dielectric(interface) => Some(interface.medium(front).transmittance),
+            _ => None,
+        }
+    }
+}
+
+/// BSDF of a glossy material without cosine \[1/sr\], for unit vectors `incident` and `exitant` that point away from the
+/// surface. Light that is mirrored or goes straight on is not part of it.
+pub fn evaluate<S: Spectrum>(gloss: &Gloss, incident: DVec3, exitant: DVec3, normal: DVec3) -> S {
+    gloss::PreparedGloss::new(gloss).evaluate(incident, exitant, normal)
+}
+
+/// Whether `material` treats red, green and blue alike, so that a grey path loses nothing.
+pub fn is_neutral(material: &Material) -> bool {
+    use spectrum::is_grey;
+    match material {
+        Material::Void | Material::Black => true,
+        Material::Gloss(gloss) => is_grey(gloss.color),
+        Material::Glass { transmissivity, .. } => is_grey(*transmissivity),
+        Material::Dielectric { inside, outside } => {
+            is_grey(inside.transmittance) && is_grey(outside.transmittance)
+        }
+        Material::Mirror { reflectance } => is_grey(*reflectance),
+    }
+}
+
+/// Whether the ray comes from the side the normal points to.
+#[inline]
+fn is_front(normal: DVec3, incoming: DVec3) -> bool {
+    incoming.dot(normal) < 0.0
+}
+
+/// The normal turned to the side the ray comes from, and the ray's cosine to it, in [0, 1].
+#[inline]
+fn facing(normal: DVec3, incoming: DVec3) -> (DVec3, f64) {
+    let cosine = -incoming.dot(normal);
+    (if cosine > 0.0 { normal } else { -normal }, cosine.abs().min(1.0))
+}

@@ -1,0 +1,74 @@
+//! What a path carries: RGB, or its luminance alone.
+
+use std::ops::{Add, Div, Mul};
+
+use glam::DVec3;
+
+/// Weights of Radiance's red, green and blue in its luminance.
+pub const LUMINANCE: DVec3 = DVec3::new(0.265, 0.670, 0.065);
+
+/// The weight a path carries: [`DVec3`] for RGB, `f64` for luminance alone.
+///
+/// A grey path multiplies luminances, which equals the luminance of the product only where at most one factor is
+/// coloured: use it where [`is_neutral`](super::is_neutral) holds for all materials, or where that is accepted.
+pub trait Spectrum:
+    Copy
+    + PartialEq
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Mul<Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// Absorbs all.
+    const BLACK: Self;
+    /// Changes nothing.
+    const WHITE: Self;
+    /// From linear RGB in Radiance's primaries.
+    fn from_rgb(rgb: DVec3) -> Self;
+    /// Luminance, with [`LUMINANCE`].
+    fn luminance(self) -> f64;
+}
+
+impl Spectrum for f64 {
+    const BLACK: f64 = 0.0;
+    const WHITE: f64 = 1.0;
+
+    #[inline]
+    fn from_rgb(rgb: DVec3) -> f64 {
+        rgb.dot(LUMINANCE)
+    }
+
+    #[inline]
+    fn luminance(self) -> f64 {
+        self
+    }
+}
+
+impl Spectrum for DVec3 {
+    const BLACK: DVec3 = DVec3::ZERO;
+    const WHITE: DVec3 = DVec3::ONE;
+
+    #[inline]
+    fn from_rgb(rgb: DVec3) -> DVec3 {
+        rgb
+    }
+
+    #[inline]
+    fn luminance(self) -> f64 {
+        self.dot(LUMINANCE)
+    }
+}
+
+/// Whether red, green and blue are the same.
+#[inline]
+pub(super) fn is_grey(rgb: DVec3) -> bool {
+    rgb.x == rgb.y && rgb.y == rgb.z
+}
+
+/// `f` of each component; computed once for a grey, the common case.
+#[inline]
+pub(super) fn map_rgb(rgb: DVec3, f: impl Fn(f64) -> f64) -> DVec3 {
+    if is_grey(rgb) { DVec3::splat(f(rgb.x)) } else { rgb.map(f) }
+}
