@@ -1,11 +1,16 @@
 //! Surface primitives, as Radiance's reference manual defines them. Lengths in metres.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
+
+use crate::triangulate::{self, area_vector};
 
 /// A surface primitive. The front of each is the side its normal points to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// Planar; vertices counter-clockwise seen from the front. Holes are cut by seams, as in Radiance.
+    /// Planar; vertices counter-clockwise seen from the front. Holes are cut by seams, as in Radiance: the outline
+    /// runs to the hole, around it clockwise, and back along the same edge.
     Polygon(Vec<DVec3>),
     /// `sphere` faces out, `bubble` faces in.
     Sphere {
@@ -46,6 +51,53 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Area of one side \[m²\].
+    pub fn area(&self) -> f64 {
+        match self {
+            Shape::Polygon(vertices) => area_vector(vertices).length(),
+            Shape::Sphere { radius, .. } => 4.0 * PI * radius * radius,
+            Shape::Cylinder { ends, radius, .. } => 2.0 * PI * radius * ends[0].distance(ends[1]),
+            Shape::Cone { ends, radii, .. } => {
+                PI * (radii[0] + radii[1]) * ends[0].distance(ends[1]).hypot(radii[0] - radii[1])
+            }
+            Shape::Ring { radii, .. } => PI * (radii[1] - radii[0]) * (radii[1] + radii[0]),
+        }
+    }
+
+    /// Whether a polygon has no area to speak of; other shapes never are.
+    pub fn is_degenerate(&self) -> bool {
+        matches!(self, Shape::Polygon(vertices) if triangulate::is_degenerate(vertices))
+    }
+
+    /// Whether all vertices of a polygon are in one plane, up to 1e-6 of its size; other shapes always are.
+    pub fn is_planar(&self) -> bool {
+        let Shape::Polygon(v) = self else { return true };
+        let Some(normal) = area_vector(v).try_normalize() else { return true };
+        let center = v.iter().sum::<DVec3>() / v.len() as f64;
+        let [low, high] = self.bounds();
+        let tolerance = 1e-6 * low.distance(high);
+        v.iter().all(|&p| (p - center).dot(normal).abs() <= tolerance)
+    }
+
+    /// Triangles of a polygon, vertices taken over unchanged and turned as the polygon is; none for other shapes.
+    ///
+    /// Concave outlines and holes cut by seams are right; repeated and collinear vertices make no triangle.
+    ///
+    /// ```
+    /// use bsdftree_device::Shape;
+    /// use glam::dvec3;
+    /// let square = Shape::Polygon(vec![
+    ///     dvec3(0.0, 0.0, 0.0), dvec3(1.0, 0.0, 0.0), dvec3(1.0, 1.0, 0.0), dvec3(0.0, 1.0, 0.0),
+    /// ]);
+    /// assert_eq!(square.triangulate().len(), 2);
+    /// ```
+    pub fn triangulate(&self) -> Vec<[DVec3; 3]> {
+        match self {
+            Shape::Polygon(vertices) => triangulate::triangles(vertices),
+            _ => Vec::new(),
+        }
+    }
+
     /// Corners of the tight axis-aligned bounding box \[m\].
     pub fn bounds(&self) -> [DVec3; 2] {
         match self {

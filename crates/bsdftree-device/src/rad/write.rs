@@ -1,0 +1,132 @@
+//! A device as a Radiance scene text, in metres.
+//!
+//! In: a device. Out: text that Radiance and [`Device::parse_rad`] read. A material is written before the first
+//! surface that uses it, and again where another of the same name was in force between. Numbers are exact.
+
+use std::fmt::{self, Write};
+
+use glam::DVec3;
+
+use crate::device::Device;
+use crate::material::{Gloss, GlossKind, Material, Medium};
+use crate::shape::Shape;
+
+impl Device {
+    /// The device as a Radiance scene, in metres.
+    ///
+    /// Reading it back gives the same surfaces; and the same materials where each is used by a surface and they are
+    /// in the order of their first use, as the reader and the parametric devices have them. White space in names
+    /// becomes `_`. Warnings are written as comments.
+    pub fn to_rad(&self) -> String {
+        let mut text = String::new();
+        // Writing to a String cannot fail.
+        let _ = self.write_rad(&mut text);
+        text
+    }
+
+    fn write_rad(&self, to: &mut String) -> fmt::Result {
+        writeln!(to, "# Lengths in metres; the room is towards +Z, up is +Y.")?;
+        for warning in &self.warnings {
+            writeln!(to, "# {}", warning.replace(['\n', '\r'], " "))?;
+        }
+        let mut in_force = std::collections::HashMap::new();
+        for surface in &self.surfaces {
+            let material = &self.materials[surface.material as usize];
+            let modifier = word(&material.name);
+            let defined = modifier == "void" && material.material == Material::Void;
+            if !defined && in_force.insert(modifier.clone(), surface.material) != Some(surface.material) {
+                write_material(to, &modifier, &material.material)?;
+            }
+            write_shape(to, &modifier, &word(&surface.name), &surface.shape)?;
+        }
+        Ok(())
+    }
+}
+
+/// A name as one word that the reader takes for nothing else.
+fn word(name: &str) -> String {
+    let plain: String =
+        name.chars().map(|c| if c.is_whitespace() || c == '"' || c == '\'' { '_' } else { c }).collect();
+    if plain.is_empty() || plain.starts_with(['#', '!']) { format!("_{plain}") } else { plain }
+}
+
+fn write_material(to: &mut String, name: &str, material: &Material) -> fmt::Result {
+    match material {
+        Material::Void => writeln!(to, "\nvoid illum {name}\n0\n0\n3 0 0 0"),
+        Material::Black => writeln!(to, "\nvoid glow {name}\n0\n0\n4 0 0 0 0"),
+        Material::Gloss(gloss) => write_gloss(to, name, gloss),
+        Material::Glass { transmissivity, index } => {
+            writeln!(to, "\nvoid glass {name}\n0\n0\n4 {} {index:?}", Triple(*transmissivity))
+        }
+        Material::Mirror { reflectance } => {
+            writeln!(to, "\nvoid mirror {name}\n0\n0\n3 {}", Triple(*reflectance))
+        }
+        Material::Dielectric { inside, outside } if *outside == Medium::VACUUM => {
+            let Medium { transmittance, index } = inside;
+            writeln!(to, "\nvoid dielectric {name}\n0\n0\n5 {} {index:?} 0", Triple(*transmittance))
+        }
+        Material::Dielectric { inside, outside } => {
+            let (a, b) = (Triple(inside.transmittance), Triple(outside.transmittance));
+            writeln!(to, "\nvoid interface {name}\n0\n0\n8 {a} {:?} {b} {:?}", inside.index, outside.index)
+        }
+    }
+}
+
+fn write_gloss(to: &mut String, name: &str, gloss: &Gloss) -> fmt::Result {
+    let kind = match gloss.kind {
+        GlossKind::Plastic => "plastic",
+        GlossKind::Metal => "metal",
+        GlossKind::Trans => "trans",
+    };
+    let two = if gloss.orientation.is_some() { "2" } else { "" };
+    writeln!(to, "\nvoid {kind}{two} {name}")?;
+    match gloss.orientation {
+        Some(u) => writeln!(to, "4 {} .\n0", Triple(u))?,
+        None => writeln!(to, "0\n0")?,
+    }
+    let mut reals = vec![gloss.color.x, gloss.color.y, gloss.color.z, gloss.specular, gloss.roughness[0]];
+    reals.extend(gloss.orientation.map(|_| gloss.roughness[1]));
+    if gloss.kind == GlossKind::Trans {
+        reals.extend([gloss.transmission, gloss.transmitted_specular]);
+    }
+    write!(to, "{}", reals.len())?;
+    reals.iter().try_for_each(|x| write!(to, " {x:?}"))?;
+    writeln!(to)
+}
+
+fn write_shape(to: &mut String, modifier: &str, name: &str, shape: &Shape) -> fmt::Result {
+    let kind = |outward, inward, is_inward| if is_inward { inward } else { outward };
+    match shape {
+        Shape::Polygon(vertices) => {
+            writeln!(to, "\n{modifier} polygon {name}\n0\n0\n{}", 3 * vertices.len())?;
+            vertices.iter().try_for_each(|&v| writeln!(to, "  {}", Triple(v)))
+        }
+        Shape::Sphere { center, radius, inward } => {
+            let kind = kind("sphere", "bubble", *inward);
+            writeln!(to, "\n{modifier} {kind} {name}\n0\n0\n4 {} {radius:?}", Triple(*center))
+        }
+        Shape::Cylinder { ends, radius, inward } => {
+            let kind = kind("cylinder", "tube", *inward);
+            let [a, b] = ends.map(Triple);
+            writeln!(to, "\n{modifier} {kind} {name}\n0\n0\n7\n  {a}\n  {b}\n  {radius:?}")
+        }
+        Shape::Cone { ends, radii, inward } => {
+            let kind = kind("cone", "cup", *inward);
+            let [a, b] = ends.map(Triple);
+            writeln!(to, "\n{modifier} {kind} {name}\n0\n0\n8\n  {a}\n  {b}\n  {:?} {:?}", radii[0], radii[1])
+        }
+        Shape::Ring { center, normal, radii } => {
+            let (c, n) = (Triple(*center), Triple(*normal));
+            writeln!(to, "\n{modifier} ring {name}\n0\n0\n8\n  {c}\n  {n}\n  {:?} {:?}", radii[0], radii[1])
+        }
+    }
+}
+
+/// Three numbers; the debug form of an f64 is the shortest that reads back as the same.
+struct Triple(DVec3);
+
+impl fmt::Display for Triple {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} {:?} {:?}", self.0.x, self.0.y, self.0.z)
+    }
+}
