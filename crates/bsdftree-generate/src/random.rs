@@ -274,6 +274,15 @@ mod tests {
     }
 
     #[test]
+    fn shifts_of_a_cell_are_no_numbers_of_its_paths() {
+        let mut path = Random::new(3, 8, 0);
+        let words: Vec<u32> = (0..1000).map(|_| path.next_u32()).collect();
+        for shift in Stratified::new(3, 8).shift {
+            assert!(!words.contains(&(shift as u32)) && !words.contains(&((shift >> 32) as u32)));
+        }
+    }
+
+    #[test]
     fn stratified_points_are_those_of_sobol() {
         // Points 1 to 7 of scipy.stats.qmc.Sobol(4, scramble=False) in its Gray-code order, times 8.
         let sobol = Stratified { shift: [0; 4] };

@@ -30,7 +30,7 @@ pub(super) fn cos_sin(word: u32) -> [f64; 2] {
     const SIN: [f64; 9] = taylor(1);
     // The two leading bits of the nearest quarter turn, and what is left of the angle: within ±π/4.
     let quarter = u64::from(word.wrapping_add(1 << 29) >> 30);
-    let x = (f64::from((word << 2).cast_signed()) + 2.0) * (TAU / 4.0 * 2.0_f64.powi(-32));
+    let x = (f64::from((word << 2) as i32) + 2.0) * (TAU / 4.0 * 2.0_f64.powi(-32));
     let square = x * x;
     let series = |c: &[f64; 9]| c.iter().rev().fold(0.0, |sum, c| sum * square + c);
     let (cos, sin) = (series(&COS), x * series(&SIN));

@@ -38,7 +38,7 @@ impl Boundary {
 /// normal incidence, 0.998 at grazing.
 #[inline]
 pub(super) fn approximation(cosine: f64) -> f64 {
-    (-5.85 * cosine).exp() - 0.002_029_430_64
+    libm::exp(-5.85 * cosine) - 0.002_029_430_64
 }
 
 /// Radiance applies the approximation from 1.8 % on; a hair less, so that a specularity of 0.018 counts.

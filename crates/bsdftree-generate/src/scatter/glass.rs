@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::frame::mirrored;
 use super::fresnel::Boundary;
-use super::spectrum::map_rgb;
+use super::spectrum::{is_grey, map_rgb};
 use super::{Scatter, Spectrum};
 use crate::random::Random;
 
@@ -23,7 +23,7 @@ pub(super) struct Pane {
 
 impl Pane {
     pub fn new(transmissivity: DVec3, index: f64) -> Self {
-        Pane { log_transmissivity: map_rgb(transmissivity, f64::ln), index }
+        Pane { log_transmissivity: map_rgb(transmissivity, libm::log), index }
     }
 
     /// Reflectance and transmittance (RGB) for a `cosine` of incidence ≥ 0.
@@ -32,14 +32,19 @@ impl Pane {
         let Some(boundary) = Boundary::new(cosine, 1.0 / self.index) else {
             return [DVec3::ONE, DVec3::ZERO];
         };
-        let inside = map_rgb(self.log_transmissivity, |log| (log / boundary.cosine).exp());
-        let mut sums = [DVec3::ZERO; 2];
-        for r in boundary.reflectance {
-            let series = (1.0 - r).powi(2) / (DVec3::ONE - r * r * inside * inside).max(DVec3::splat(1e-300));
-            sums[0] += r + r * inside * inside * series;
-            sums[1] += inside * series;
-        }
-        [0.5 * sums[0], 0.5 * sums[1]]
+        let split = |log: f64| {
+            let inside = libm::exp(log / boundary.cosine);
+            let [s, p] = boundary.reflectance.map(|r| {
+                // The floor is for r = inside = 1, where nothing gets in and the sum is 0/0.
+                let series = (1.0 - r).powi(2) / (1.0 - (r * inside).powi(2)).max(f64::MIN_POSITIVE);
+                [r + r * inside * inside * series, inside * series]
+            });
+            [0.5 * (s[0] + p[0]), 0.5 * (s[1] + p[1])]
+        };
+        let logs = self.log_transmissivity;
+        let red = split(logs.x);
+        let [green, blue] = if is_grey(logs) { [red; 2] } else { [split(logs.y), split(logs.z)] };
+        [0, 1].map(|part| DVec3::new(red[part], green[part], blue[part]))
     }
 
     #[inline]

@@ -165,7 +165,7 @@ impl<S: Spectrum> PreparedGloss<S> {
     #[inline]
     fn slope(&self, facing: DVec3, random: &mut Random) -> DVec3 {
         let (axes, roughness) = self.axes(facing);
-        let radius = (-random.next_open().ln()).sqrt();
+        let radius = (-libm::log(random.next_open())).sqrt();
         let [cos, sin] = cos_sin(random.next_u32());
         axes[0] * (roughness[0] * radius * cos) + axes[1] * (roughness[1] * radius * sin)
     }
@@ -202,7 +202,7 @@ impl<S: Spectrum> PreparedGloss<S> {
             return lambertian;
         }
         let gaussian = |a: f64, b: f64| {
-            (-(a / alpha[0]).powi(2) - (b / alpha[1]).powi(2)).exp() / (PI * alpha[0] * alpha[1])
+            libm::exp(-(a / alpha[0]).powi(2) - (b / alpha[1]).powi(2)) / (PI * alpha[0] * alpha[1])
         };
         let lobe = if reflected {
             let half = incident + exitant;

@@ -3,7 +3,8 @@
 //! In: a material, the surface's normal, the direction a ray travels in, random numbers. Out: nothing (absorbed), or
 //! one new direction with the factor the path's weight takes. Invariant: the mean of that factor over the random numbers,
 //! in any solid angle, is the material's BSDF times cosine over it: unbiased, and never more energy out than in.
-//! Directions are unit vectors that point along travel.
+//! Directions are unit vectors that point along travel. Transcendental functions are the `libm` crate's, not the platform's:
+//! results are the same bits on every machine.
 //!
 //! Source: Radiance's reference manual for the materials; where a file here deviates, it says so.
 //!
@@ -34,7 +35,7 @@ use bsdftree_device::material::{Gloss, Material};
 use glam::DVec3;
 
 pub use dielectric::attenuation;
-pub use spectrum::{LUMINANCE, Spectrum};
+pub use spectrum::Spectrum;
 
 use crate::random::Random;
 

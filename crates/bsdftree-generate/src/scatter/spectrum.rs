@@ -2,10 +2,8 @@
 
 use std::ops::{Add, Div, Mul};
 
+use bsdftree::color::xyz_from_rgb;
 use glam::DVec3;
-
-/// Weights of Radiance's red, green and blue in its luminance.
-pub const LUMINANCE: DVec3 = DVec3::new(0.265, 0.670, 0.065);
 
 /// The weight a path carries: [`DVec3`] for RGB, `f64` for luminance alone.
 ///
@@ -27,7 +25,7 @@ pub trait Spectrum:
     const WHITE: Self;
     /// From linear RGB in Radiance's primaries.
     fn from_rgb(rgb: DVec3) -> Self;
-    /// Luminance, with [`LUMINANCE`].
+    /// Luminance: the Y of [`xyz_from_rgb`], as in the BSDF that comes of it; 1 for white.
     fn luminance(self) -> f64;
 }
 
@@ -37,7 +35,7 @@ impl Spectrum for f64 {
 
     #[inline]
     fn from_rgb(rgb: DVec3) -> f64 {
-        rgb.dot(LUMINANCE)
+        rgb.luminance()
     }
 
     #[inline]
@@ -57,7 +55,7 @@ impl Spectrum for DVec3 {
 
     #[inline]
     fn luminance(self) -> f64 {
-        self.dot(LUMINANCE)
+        xyz_from_rgb(self.to_array())[1]
     }
 }
 
