@@ -1,0 +1,63 @@
+//! Scenes of other people, read from the shared test data.
+
+use std::path::PathBuf;
+
+use bsdftree_device::{Device, Material, Unit};
+use glam::dvec3;
+
+/// A file of the test data, or `None` with a visible line.
+fn data(name: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("BSDFTREE_DATA").map_or_else(
+        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
+        PathBuf::from,
+    );
+    let path = root.join(name);
+    if path.is_file() {
+        return Some(path);
+    }
+    eprintln!("SKIPPED: {} is not there; set BSDFTREE_DATA", path.display());
+    None
+}
+
+#[test]
+fn blinds_of_pyradiance_are_read() {
+    let Some(path) = data("pyradiance/blinds.rad") else { return };
+    let device = Device::read_rad(&[path], Unit::Meter).unwrap();
+    assert_eq!((device.surfaces.len(), device.materials.len(), device.warnings.len()), (311, 2, 0));
+    assert_eq!(device.bounds().unwrap(), [dvec3(0.0, -0.0127, -0.048591), dvec3(6.096, 1.524, 0.0)]);
+    assert!(matches!(device.materials[0].material, Material::Glass { .. }));
+    let again = Device::parse_rad(&device.to_rad(), "again", ".".as_ref(), Unit::Meter).unwrap();
+    assert_eq!(again, device);
+}
+
+#[test]
+fn blinds_only_of_pyradiance_are_read() {
+    let Some(path) = data("pyradiance/blindsOnly.rad") else { return };
+    let device = Device::read_rad(&[path], Unit::Foot).unwrap();
+    assert_eq!((device.surfaces.len(), device.materials.len()), (307, 2));
+    let [low, high] = device.bounds().unwrap();
+    assert!((high - low).distance(dvec3(6.096, 0.048591, 2.4384 - 0.909521) * 0.3048) < 1e-12);
+}
+
+#[test]
+fn two_files_are_one_scene() {
+    let (Some(a), Some(b)) = (data("pyradiance/blinds.rad"), data("pyradiance/blindsOnly.rad")) else {
+        return;
+    };
+    let device = Device::read_rad(&[a, b], Unit::Meter).unwrap();
+    assert_eq!((device.surfaces.len(), device.materials.len()), (618, 2));
+}
+
+#[test]
+fn prism_material_is_refused_with_its_line() {
+    let Some(path) = data("radiance/prism1.rad") else { return };
+    let error = Device::read_rad(&[path], Unit::Meter).unwrap_err().to_string();
+    assert!(error.contains("prism1.rad:4: material type 'prism1' (modifier \"prism1mat\")"), "{error}");
+}
+
+#[test]
+fn genprism_command_is_refused_with_its_line() {
+    let Some(path) = data("radiance/sawtooth.rad") else { return };
+    let error = Device::read_rad(&[path], Unit::Meter).unwrap_err().to_string();
+    assert!(error.contains("sawtooth.rad:10: command 'genprism' is not supported yet"), "{error}");
+}
