@@ -1,0 +1,195 @@
+//! The ray tracer: closest hits on a [`Device`].
+//!
+//! Enters: a device, rays. Leaves: [`Hit`]s, in f64 and in metres.
+//!
+//! An 8-wide tree of f32 boxes and triangles filters out all but a few candidates; f64 arithmetic on the unrounded
+//! geometry decides on those. The filters are proven never to lose a hit, so a result is a property of the device alone:
+//! the same bits with AVX2 and without, for any tree, on any machine.
+//!
+//! No distance is "too small to hit". A ray says which surface it has left ([`Ray::from`]); a flat one cannot be met
+//! again, a curved one only at its other root, and where a position lies on an edge it is moved inward by some roundings of
+//! f64, so that the ray starts on the right side of the neighbours.
+
+mod analytic;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod collapse;
+mod error;
+mod facet;
+mod frame;
+mod kernel;
+mod node;
+mod primitives;
+mod ray;
+mod split;
+mod traverse;
+
+use bsdftree_device::Device;
+use bsdftree_device::shape::Shape;
+use glam::DVec3;
+
+use analytic::Analytic;
+pub use error::BvhError;
+use facet::Facet;
+use frame::Frame;
+use node::{Child, Leaf, Node, WIDTH, edge_slack};
+use primitives::{Bounds, Primitives, Triangle};
+pub use ray::{Hit, Ray};
+
+/// No surface has this index.
+const NO_SURFACE: u32 = u32::MAX;
+
+/// Which implementation of the filters runs. Results do not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Simd {
+    /// Plain Rust.
+    Portable,
+    /// x86-64 with AVX2 and FMA.
+    Avx2,
+}
+
+impl Simd {
+    /// The fastest this processor has.
+    pub fn detect() -> Simd {
+        if Simd::Avx2.is_available() { Simd::Avx2 } else { Simd::Portable }
+    }
+
+    /// Whether this processor can run it.
+    pub fn is_available(self) -> bool {
+        match self {
+            Simd::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Simd::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(not(target_arch = "x86_64"))]
+            Simd::Avx2 => false,
+        }
+    }
+}
+
+/// What a hit tells of a surface besides its geometry.
+#[derive(Clone, Copy, Debug)]
+struct Attributes {
+    material: u32,
+    inward: bool,
+}
+
+/// A device ready to be traced.
+#[derive(Clone, Debug)]
+pub struct Bvh {
+    frame: Frame,
+    nodes: Vec<Node>,
+    leaves: Vec<Leaf>,
+    facets: Vec<Facet>,
+    analytic: Vec<(Analytic, u32)>,
+    surfaces: Vec<Attributes>,
+    simd: Simd,
+    /// An origin that has left a surface and is this near to a plane lies on it, local units.
+    on_plane: f64,
+    /// Overlap of neighbouring edges at normal incidence, local units.
+    slack: f64,
+    /// Least distance of a position from an edge, local units: far more than slack and `on_plane`.
+    inset: f64,
+}
+
+impl Bvh {
+    /// Build for a device. Void surfaces are left out. Takes about a second per million triangles and core.
+    ///
+    /// # Errors
+    /// No surface that can be hit; a coordinate or radius that is not finite or out of range; a missing material; more
+    /// than 2²⁷ primitives.
+    pub fn build(device: &Device) -> Result<Bvh, BvhError> {
+        let Primitives { frame, triangles, analytic } = Primitives::gather(device)?;
+        let n_primitives = triangles.len() + analytic.len();
+        if n_primitives > Child::LIMIT {
+            return Err(BvhError::TooMany { found: n_primitives, limit: Child::LIMIT });
+        }
+        let mut boxes: Vec<Bounds> = triangles.iter().map(|t| Bounds::of(&t.corners)).collect();
+        boxes.extend(analytic.iter().map(|a| a.1));
+        let wide = collapse::collapse(&split::binary_tree(&boxes), triangles.len());
+        let mut facets = Vec::with_capacity(triangles.len());
+        let leaves = wide.leaves.iter().map(|items| leaf(items, &triangles, &mut facets)).collect();
+        let analytic = wide.analytic.iter().map(|&i| {
+            let (shape, _, surface) = &analytic[i as usize - triangles.len()];
+            (shape.clone(), *surface)
+        });
+        Ok(Bvh {
+            frame,
+            nodes: wide.nodes,
+            leaves,
+            facets,
+            analytic: analytic.collect(),
+            surfaces: device
+                .surfaces
+                .iter()
+                .map(|s| Attributes { material: s.material, inward: faces_in(&s.shape) })
+                .collect(),
+            simd: Simd::detect(),
+            on_plane: 4.0 * frame.grain,
+            slack: 8.0 * frame.grain,
+            inset: 4096.0 * frame.grain,
+        })
+    }
+
+    /// The same with another implementation of the filters; `None` if this processor cannot run it.
+    pub fn with_simd(mut self, simd: Simd) -> Option<Bvh> {
+        self.simd = simd;
+        simd.is_available().then_some(self)
+    }
+
+    /// Corners of what can be hit \[m\].
+    pub fn bounds(&self) -> [DVec3; 2] {
+        self.frame.bounds.map(|p| self.frame.device_from_local(p))
+    }
+
+    /// The first surface on a ray.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        match self.simd {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: `simd` is set only after detection.
+            Simd::Avx2 => unsafe { self.closest_avx2(ray) },
+            _ => self.closest_portable(ray),
+        }
+    }
+
+    /// # Safety
+    /// The processor must have AVX2 and FMA.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    unsafe fn closest_avx2(&self, ray: &Ray) -> Option<Hit> {
+        // SAFETY: this function has the features of the kernel.
+        unsafe { traverse::closest::<avx2::Avx2>(self, ray) }
+    }
+
+    #[inline(never)]
+    fn closest_portable(&self, ray: &Ray) -> Option<Hit> {
+        // SAFETY: the portable kernel needs nothing.
+        unsafe { traverse::closest::<kernel::Portable>(self, ray) }
+    }
+}
+
+fn leaf(items: &[u32], triangles: &[Triangle], facets: &mut Vec<Facet>) -> Leaf {
+    debug_assert!(items.len() <= WIDTH);
+    let mut leaf = Leaf { first: facets.len() as u32, ..Leaf::default() };
+    for (lane, &item) in items.iter().enumerate() {
+        let triangle = &triangles[item as usize];
+        for (corner, p) in triangle.corners.iter().enumerate() {
+            for axis in 0..3 {
+                leaf.corners[corner][axis][lane] = p[axis] as f32;
+            }
+        }
+        let bounds = Bounds::of(&triangle.corners);
+        let extent = (0..3).map(|axis| bounds.extent(axis)).fold(0.0, f32::max);
+        leaf.slack[lane] = edge_slack(extent + 4.0 * node::U);
+        leaf.surfaces[lane] = triangle.surface;
+        facets.push(triangle.facet.clone());
+    }
+    leaf
+}
+
+fn faces_in(shape: &Shape) -> bool {
+    match shape {
+        Shape::Polygon(_) | Shape::Ring { .. } => false,
+        Shape::Sphere { inward, .. } | Shape::Cylinder { inward, .. } | Shape::Cone { inward, .. } => *inward,
+    }
+}
