@@ -115,6 +115,11 @@ impl Band {
         self.components[part as usize].as_ref()
     }
 
+    /// The same, to be changed.
+    pub fn component_mut(&mut self, part: Part) -> Option<&mut Component> {
+        self.components[part as usize].as_mut()
+    }
+
     /// Puts a component in; gives back the one it replaces.
     pub fn insert(&mut self, part: Part, component: Component) -> Option<Component> {
         self.components[part as usize].replace(component)
@@ -301,6 +306,17 @@ impl Scattering {
         };
         let rho = f64::from(minimum) * std::f64::consts::PI;
         if rho > 0.01 && rho < cap { rho } else { 0.0 }
+    }
+
+    /// Whether both are trees of one rank, or matrices over the same bases.
+    pub fn has_domain_of(&self, other: &Scattering) -> bool {
+        match (self, other) {
+            (Scattering::Tree(a), Scattering::Tree(b)) => a.rank() == b.rank(),
+            (Scattering::Matrix(a), Scattering::Matrix(b)) => {
+                a.incident() == b.incident() && a.exitant() == b.exitant()
+            }
+            _ => false,
+        }
     }
 
     /// Number of values held.
