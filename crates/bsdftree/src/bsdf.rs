@@ -1,5 +1,7 @@
 //! The whole BSDF: four components, in one or more spectral bands, with what the file says of the device.
 
+use std::sync::Arc;
+
 use crate::direction::{Direction, Side};
 use crate::klems::Matrix;
 use crate::tree::{Rank, Tree};
@@ -8,9 +10,21 @@ use crate::tree::{Rank, Tree};
 #[derive(Clone, Debug)]
 pub enum Scattering {
     /// Variable resolution.
-    Tree(Tree),
+    Tree(Arc<Tree>),
     /// Fixed patches.
-    Matrix(Matrix),
+    Matrix(Arc<Matrix>),
+}
+
+impl From<Tree> for Scattering {
+    fn from(tree: Tree) -> Scattering {
+        Scattering::Tree(Arc::new(tree))
+    }
+}
+
+impl From<Matrix> for Scattering {
+    fn from(matrix: Matrix) -> Scattering {
+        Scattering::Matrix(Arc::new(matrix))
+    }
 }
 
 /// One of the four parts of a BSDF, named as WINDOW's XML names it: its *Front* is the outside (−Z).

@@ -72,7 +72,7 @@ fn tree_samples_follow_their_exact_expected_counts() {
     let mut random = Random(1);
     for rank in [Rank::Four, Rank::Three] {
         for part in [Part::ReflectionBack, Part::TransmissionBack] {
-            let band = band(part, Scattering::Tree(random_tree(rank, 4, &mut random)));
+            let band = band(part, random_tree(rank, 4, &mut random).into());
             for two_numbers in [false, true] {
                 let incident = random.direction();
                 // Rank 3 turns its cells with the incident azimuth: compare in the plane where they are not turned.
@@ -94,8 +94,8 @@ fn tree_samples_follow_their_exact_expected_counts() {
 #[test]
 fn reversed_samples_follow_the_reversed_function() {
     let mut random = Random(2);
-    let trees = [Rank::Four, Rank::Three].map(|rank| Scattering::Tree(random_tree(rank, 4, &mut random)));
-    let matrix = Scattering::Matrix(random_matrix(&mut random));
+    let trees = [Rank::Four, Rank::Three].map(|rank| Scattering::from(random_tree(rank, 4, &mut random)));
+    let matrix = Scattering::from(random_matrix(&mut random));
     for scattering in trees.into_iter().chain([matrix]) {
         let exact = matches!(&scattering, Scattering::Tree(t) if t.rank() == Rank::Four);
         // Light from the front, where only the component for light from the back is there.
@@ -122,7 +122,7 @@ fn matrix_samples_fill_patches_by_their_share() {
     let mut random = Random(3);
     let matrix = random_matrix(&mut random);
     let basis = Arc::clone(matrix.exitant());
-    let band = band(Part::ReflectionBack, Scattering::Matrix(matrix));
+    let band = band(Part::ReflectionBack, matrix.into());
     let incident = random.direction();
     let mut counts = vec![0; basis.n_patches()];
     for k in 0..N_SAMPLES {
@@ -145,11 +145,11 @@ fn density_integrates_to_one_over_both_hemispheres() {
     let mut band = Band::new("Visible");
     band.insert(
         Part::ReflectionBack,
-        Component::grey(Scattering::Tree(random_tree(Rank::Four, 4, &mut random))),
+        Component::grey(random_tree(Rank::Four, 4, &mut random).into()),
     );
     band.insert(
         Part::TransmissionBack,
-        Component::grey(Scattering::Tree(random_tree(Rank::Four, 4, &mut random))),
+        Component::grey(random_tree(Rank::Four, 4, &mut random).into()),
     );
     for _ in 0..20 {
         let incident = random.direction();
@@ -174,7 +174,7 @@ fn density_integrates_to_one_over_both_hemispheres() {
 #[test]
 fn reversed_rank4_tree_is_the_function_with_directions_swapped() {
     let mut random = Random(5);
-    let band = band(Part::TransmissionFront, Scattering::Tree(random_tree(Rank::Four, 4, &mut random)));
+    let band = band(Part::TransmissionFront, random_tree(Rank::Four, 4, &mut random).into());
     for _ in 0..1000 {
         let (a, b) = (random.direction(), random.direction());
         let below = [b[0], b[1], -b[2]];
@@ -187,7 +187,7 @@ fn reversed_rank4_tree_is_the_function_with_directions_swapped() {
 #[test]
 fn normal_incidence_lies_in_the_upper_cell_whatever_its_last_bits() {
     let mut random = Random(6);
-    let band = band(Part::ReflectionBack, Scattering::Tree(random_tree(Rank::Four, 3, &mut random)));
+    let band = band(Part::ReflectionBack, random_tree(Rank::Four, 3, &mut random).into());
     for _ in 0..100 {
         let exitant = random.direction();
         let value = band.eval([0.0, 0.0, 1.0], exitant);
@@ -202,7 +202,7 @@ fn normal_incidence_lies_in_the_upper_cell_whatever_its_last_bits() {
 
 #[test]
 fn black_directions_have_no_density_and_no_weight() {
-    let band = band(Part::ReflectionBack, Scattering::Tree(bsdftree::Tree::uniform(Rank::Four, 0.0)));
+    let band = band(Part::ReflectionBack, bsdftree::Tree::uniform(Rank::Four, 0.0).into());
     for incident in [[0.0, 0.6, 0.8], [0.0, 0.6, -0.8]] {
         let sample = band.sample(incident, 0.5, None, Lobes::All);
         assert_eq!((sample.pdf, sample.weight), (0.0, 0.0));
@@ -213,7 +213,7 @@ fn black_directions_have_no_density_and_no_weight() {
 #[test]
 fn threads_see_the_same_samples() {
     let mut random = Random(7);
-    let band = band(Part::TransmissionFront, Scattering::Tree(random_tree(Rank::Three, 5, &mut random)));
+    let band = band(Part::TransmissionFront, random_tree(Rank::Three, 5, &mut random).into());
     let run = || {
         let mut random = Random(8);
         (0..3000)

@@ -1,0 +1,118 @@
+//! What is asked of a generation.
+
+use bsdftree::Side;
+use bsdftree::bsdf::LengthUnit;
+
+use crate::layout::{Layout, MAX_LOG2_RES};
+
+/// The box that stands for the device \[m\]: rays enter through its front (z = max) or back (z = min), over its whole extent in x
+/// and y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aperture {
+    /// Smallest x, y, z.
+    pub min: [f64; 3],
+    /// Largest x, y, z.
+    pub max: [f64; 3],
+}
+
+/// The sides that light comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sides {
+    /// From the room (+Z): Reflection Back and Transmission Back.
+    Front,
+    /// From outside (−Z): Reflection Front and Transmission Front.
+    Back,
+    /// All four components.
+    #[default]
+    Both,
+}
+
+impl Sides {
+    pub(crate) fn iter(self) -> impl Iterator<Item = Side> {
+        let sides: &[Side] = match self {
+            Sides::Front => &[Side::Front],
+            Sides::Back => &[Side::Back],
+            Sides::Both => &[Side::Front, Side::Back],
+        };
+        sides.iter().copied()
+    }
+}
+
+/// Everything that a generation depends on besides the device.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Tree of which rank and resolution, or Klems basis.
+    pub layout: Layout,
+    /// Paths per incident cell and side.
+    pub samples: u64,
+    /// The sides that light comes from.
+    pub sides: Sides,
+    /// Whether to keep colour.
+    pub color: bool,
+    /// Whether to average pairs travelled one way with the same pairs travelled the other way.
+    pub reciprocity: bool,
+    /// Whether to merge cells that differ only by noise; trees only.
+    pub pruned: bool,
+    /// The device's box; its bounding box by default.
+    pub aperture: Option<Aperture>,
+    /// Unit of length in the file's header.
+    pub unit: LengthUnit,
+    /// Equal seeds give equal bits, whatever the number of threads.
+    pub seed: u64,
+    /// Number of threads; all processors by default.
+    pub threads: Option<usize>,
+}
+
+impl Options {
+    /// 2000 paths per incident cell from both sides, grey, pruned, over the bounding box.
+    pub fn new(layout: Layout) -> Options {
+        Options {
+            layout,
+            samples: 2000,
+            sides: Sides::Both,
+            color: false,
+            reciprocity: false,
+            pruned: true,
+            aperture: None,
+            unit: LengthUnit::Meter,
+            seed: 0,
+            threads: None,
+        }
+    }
+
+    /// Says what is wrong with the options, if anything is.
+    pub(crate) fn problem(&self) -> Option<String> {
+        if self.samples == 0 || self.samples > u64::from(u32::MAX) {
+            return Some(format!("{} samples per incident cell; expected 1 to 4294967295", self.samples));
+        }
+        if self.threads == Some(0) {
+            return Some("0 threads; expected at least 1".into());
+        }
+        if let Layout::Tree { rank, log2_res } = &self.layout {
+            if !(1..=MAX_LOG2_RES).contains(log2_res) {
+                return Some(format!(
+                    "a resolution of 2^{log2_res} per axis; expected 2^1 to 2^{MAX_LOG2_RES}"
+                ));
+            }
+            if self.reciprocity && *rank == bsdftree::Rank::Three {
+                return Some(
+                    "reciprocity averaging of rank-3 trees; it is done for rank 4 and Klems bases".into(),
+                );
+            }
+        }
+        if let Some(aperture) = &self.aperture {
+            let extents = [0, 1, 2].map(|k| aperture.max[k] - aperture.min[k]);
+            if !extents.iter().all(|e| e.is_finite())
+                || extents[0] <= 0.0
+                || extents[1] <= 0.0
+                || extents[2] < 0.0
+            {
+                return Some(format!(
+                    "an aperture from {:?} to {:?} m; expected min < max",
+                    aperture.min, aperture.max
+                ));
+            }
+        }
+        None
+    }
+}
