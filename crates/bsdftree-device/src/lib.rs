@@ -1,8 +1,36 @@
 //! Device geometry and materials in.
+//!
+//! A [`Device`] is what scatters light: surfaces with their materials, in metres, the front (the room) towards +Z, up
+//! towards +Y. It comes from Radiance scene files ([`Device::read_rad`], [`Device::parse_rad`]), from a family of
+//! parametric devices ([`Device::from_spec`], [`parametric::families`]), or is put together from its public fields;
+//! [`Device::to_rad`] writes it as a Radiance scene. How light scatters from it is for `bsdftree-generate`.
+//!
+//! ```
+//! use bsdftree_device::{Device, Material, Unit};
+//!
+//! // A parametric device, by name.
+//! let blinds = Device::from_spec("blinds:depth=0.05,spacing=0.04,angle=30,glazing=0.88")?;
+//! assert!(matches!(blinds.materials[1].material, Material::Glass { .. }));
+//!
+//! // The same as a scene that Radiance reads, and back.
+//! let scene = blinds.to_rad();
+//! let again = Device::parse_rad(&scene, "blinds.rad", ".".as_ref(), Unit::Meter)?;
+//! assert_eq!(again, blinds);
+//!
+//! // What is wrong is said with its place.
+//! let error = Device::parse_rad("void plastic white\n0 0\n5 .8 .8 .8 0", "white.rad", ".".as_ref(), Unit::Meter);
+//! let message = error.unwrap_err().to_string();
+//! assert!(message.starts_with("white.rad:3: expected real argument 5 of 5 of plastic \"white\""), "{message}");
+//! # Ok::<(), bsdftree_device::DeviceError>(())
+//! ```
+//!
+//! Modules in the order in which data flows: [`unit`], [`error`], [`material`], [`shape`], [`device`], `rad` (scene
+//! files), [`parametric`].
 
 pub mod device;
 pub mod error;
 pub mod material;
+pub mod parametric;
 mod rad;
 pub mod shape;
 mod triangulate;

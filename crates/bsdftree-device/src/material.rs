@@ -78,3 +78,19 @@ impl Medium {
     /// Empty space: index 1, no absorption.
     pub const VACUUM: Medium = Medium { transmittance: DVec3::ONE, index: 1.0 };
 }
+
+/// Transmissivity of a thin pane, as `glass` takes it, from its transmittance at normal incidence.
+///
+/// The transmittance, which is what is measured, includes all reflections between the two faces:
+/// T = (1 − r)² t / (1 − r² t²) with Fresnel's r = ((n − 1)/(n + 1))². At most (1 − r)/(1 + r), where t = 1.
+///
+/// ```
+/// use bsdftree_device::material::transmissivity_from_transmittance;
+/// assert!((transmissivity_from_transmittance(0.88, 1.52) - 0.96).abs() < 1e-3);
+/// ```
+pub fn transmissivity_from_transmittance(transmittance: f64, index: f64) -> f64 {
+    let r = ((index - 1.0) / (index + 1.0)).powi(2);
+    let passed = (1.0 - r).powi(2);
+    // The root of r² T t² + (1 − r)² t − T = 0 without cancellation for small r.
+    2.0 * transmittance / (passed + (passed * passed + 4.0 * (r * transmittance).powi(2)).sqrt())
+}

@@ -121,3 +121,87 @@ fn disks_bounds(centers: [DVec3; 2], axis: DVec3, radii: [f64; 2]) -> [DVec3; 2]
     let corner = |k: usize, sign: f64| centers[k] + reach * (sign * radii[k]);
     [corner(0, -1.0).min(corner(1, -1.0)), corner(0, 1.0).max(corner(1, 1.0))]
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+    use glam::dvec3;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn assert_bounds(shape: &Shape, low: DVec3, high: DVec3) {
+        let [a, b] = shape.bounds();
+        assert!(a.distance(low) < 1e-12 && b.distance(high) < 1e-12, "{a} {b} is not {low} {high}");
+    }
+
+    #[test]
+    fn bounds_are_tight() {
+        let ends = [DVec3::ZERO, dvec3(0.0, 3.0, 3.0)];
+        let r = FRAC_1_SQRT_2;
+        let cylinder = Shape::Cylinder { ends, radius: 1.0, inward: false };
+        assert_bounds(&cylinder, dvec3(-1.0, -r, -r), dvec3(1.0, 3.0 + r, 3.0 + r));
+        let cone = Shape::Cone { ends, radii: [1.0, 0.0], inward: false };
+        assert_bounds(&cone, dvec3(-1.0, -r, -r), dvec3(1.0, 3.0, 3.0));
+        let ring = Shape::Ring { center: DVec3::ONE, normal: DVec3::Z, radii: [0.5, 2.0] };
+        assert_bounds(&ring, dvec3(-1.0, -1.0, 1.0), dvec3(3.0, 3.0, 1.0));
+        let sphere = Shape::Sphere { center: DVec3::ONE, radius: 2.0, inward: true };
+        assert_bounds(&sphere, DVec3::splat(-1.0), DVec3::splat(3.0));
+    }
+
+    #[test]
+    fn areas_are_the_closed_forms() {
+        let ends = [DVec3::ZERO, dvec3(0.0, 3.0, 4.0)];
+        let areas = [
+            (Shape::Cylinder { ends, radius: 2.0, inward: true }, 20.0 * PI),
+            (
+                Shape::Cone { ends: [DVec3::ZERO, 4.0 * DVec3::Z], radii: [3.0, 0.0], inward: false },
+                15.0 * PI,
+            ),
+            (
+                Shape::Cone { ends: [DVec3::ZERO, 4.0 * DVec3::Z], radii: [4.0, 1.0], inward: false },
+                25.0 * PI,
+            ),
+            (Shape::Sphere { center: DVec3::ONE, radius: 2.0, inward: false }, 16.0 * PI),
+            (Shape::Ring { center: DVec3::ONE, normal: DVec3::Z, radii: [1.0, 2.0] }, 3.0 * PI),
+            (Shape::Polygon(vec![DVec3::ZERO, 3.0 * DVec3::X, dvec3(0.0, 3.0, 4.0)]), 7.5),
+        ];
+        for (shape, area) in areas {
+            assert!((shape.area() / area - 1.0).abs() < 1e-14, "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn degenerate_and_bent_polygons_are_told() {
+        let line = Shape::Polygon(vec![DVec3::ZERO, DVec3::X, 3.0 * DVec3::X]);
+        assert!(line.is_degenerate() && line.triangulate().is_empty());
+        let slat = vec![DVec3::ZERO, 10.0 * DVec3::X, dvec3(10.0, 1e-7, 0.0), dvec3(0.0, 1e-7, 0.0)];
+        assert!(!Shape::Polygon(slat).is_degenerate());
+        let bent = |z| Shape::Polygon(vec![DVec3::ZERO, DVec3::X, dvec3(1.0, 1.0, z), DVec3::Y]);
+        assert!(bent(1e-7).is_planar() && !bent(0.01).is_planar());
+    }
+
+    proptest! {
+        #[test]
+        fn bounds_hold_every_point_and_touch_some(
+            axis in prop::array::uniform3(-1.0..1.0f64), radii in prop::array::uniform2(0.1..2.0f64)
+        ) {
+            let axis = DVec3::from(axis);
+            prop_assume!(axis.length() > 0.1);
+            let shape = Shape::Cone { ends: [DVec3::ONE, DVec3::ONE + axis], radii, inward: false };
+            let [low, high] = shape.bounds();
+            let (u, v) = axis.normalize().any_orthonormal_pair();
+            let (mut seen_low, mut seen_high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            for k in 0..10_000 {
+                let (sin, cos) = (TAU * k as f64 / 10_000.0).sin_cos();
+                for end in [0, 1] {
+                    let p = DVec3::ONE + end as f64 * axis + radii[end] * (cos * u + sin * v);
+                    (seen_low, seen_high) = (seen_low.min(p), seen_high.max(p));
+                }
+            }
+            prop_assert!((seen_low - low).abs().max_element() < 1e-6 && (seen_low - low).min_element() > -1e-12);
+            prop_assert!((seen_high - high).abs().max_element() < 1e-6 && (high - seen_high).min_element() > -1e-12);
+        }
+    }
+}
