@@ -159,14 +159,14 @@ impl Blocks {
         let scattering = match self.structure {
             Structure::Tree(rank) => {
                 check_tree_basis(block, repairs)?;
-                Scattering::Tree(tree_text::parse(&text, base, rank, &mut negatives)?)
+                Scattering::from(tree_text::parse(&text, base, rank, &mut negatives)?)
             }
             Structure::Matrix(layout) => {
                 let [incident, exitant] = ["ColumnAngleBasis", "RowAngleBasis"];
                 let incident = self.basis(block, incident, repairs)?;
                 let exitant = self.basis(block, exitant, repairs)?;
                 let values = numbers(&text, base, &mut negatives)?;
-                Scattering::Matrix(matrix(values, [&incident, &exitant], layout, data.offset())?)
+                Scattering::from(matrix(values, [&incident, &exitant], layout, data.offset())?)
             }
         };
         negatives.reported(repairs)?;

@@ -250,14 +250,19 @@ impl<'d> Node<'d> {
         let mut text = String::new();
         for (piece, offset) in self.pieces() {
             match piece {
-                Piece::Text(raw) => match unescape(raw) {
-                    Ok(plain) => text.push_str(&plain.replace("\r\n", "\n")),
-                    Err(error) => {
-                        let found = format!("<{}> has a `&` that begins no entity ({error})", self.name());
-                        repairs.repair(offset, found, "it taken as it stands")?;
-                        text.push_str(&raw.replace("\r\n", "\n"));
+                Piece::Text(raw) => {
+                    // Line ends first: a `&#13;` is meant as it is written.
+                    let raw = raw.replace("\r\n", "\n");
+                    match unescape(&raw) {
+                        Ok(plain) => text.push_str(&plain),
+                        Err(error) => {
+                            let found =
+                                format!("<{}> has a `&` that begins no entity ({error})", self.name());
+                            repairs.repair(offset, found, "it taken as it stands")?;
+                            text.push_str(&raw);
+                        }
                     }
-                },
+                }
                 Piece::CData(raw) => text.push_str(&raw.replace("\r\n", "\n")),
                 Piece::Comment => {}
                 Piece::Markup => return Err(self.unexpected_markup(offset)),

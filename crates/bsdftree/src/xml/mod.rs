@@ -48,7 +48,7 @@ use source::Source;
 ///
 /// let mut bsdf = Bsdf::default();
 /// let diffuse = Tree::uniform(Rank::Four, 0.25);
-/// bsdf.band_mut("Visible").insert(Part::ReflectionBack, Component::grey(Scattering::Tree(diffuse)));
+/// bsdf.band_mut("Visible").insert(Part::ReflectionBack, Component::grey(diffuse.into()));
 /// let mut file = Vec::new();
 /// write(&bsdf, &mut file).unwrap();
 ///

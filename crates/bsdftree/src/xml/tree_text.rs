@@ -60,15 +60,13 @@ fn close(
         let Some(branch) = open.last_mut() else { return Ok(Some(slot)) };
         branch.children[branch.n] = slot;
         branch.n += 1;
-        let ends = cursor.peek() == Some(b'}');
-        if ends != (branch.n == n_children) {
-            return match cursor.peek() {
-                Some(b'{' | b'}') => Err(wrong_children(branch, ends, rank)),
-                _ => Err(brace(cursor, if branch.n == n_children { "`}`" } else { "`{` or `}`" })),
-            };
-        }
-        if !ends {
-            return Ok(None);
+        let complete = branch.n == n_children;
+        match cursor.peek() {
+            Some(b'}') if !complete => return Err(wrong_children(branch, rank)),
+            Some(b'{') if complete => return Err(wrong_children(branch, rank)),
+            Some(b'}') => {}
+            _ if complete => return Err(brace(cursor, "`}`")),
+            _ => return Ok(None),
         }
         slot = builder
             .node(&branch.children[..n_children])
@@ -128,9 +126,9 @@ fn brace(cursor: &mut Cursor<'_>, expected: &'static str) -> XmlError {
     XmlError::new(offset, Fault::Brace { found: cursor.found(), expected })
 }
 
-fn wrong_children(branch: &Branch, ends: bool, rank: Rank) -> XmlError {
+fn wrong_children(branch: &Branch, rank: Rank) -> XmlError {
     let (n, d) = (rank.n_children(), rank.dimensions());
-    let found = if ends {
+    let found = if branch.n < n {
         format!("{} children in a node", branch.n)
     } else {
         format!("more than {n} children in a node")
