@@ -35,9 +35,11 @@ mod rad;
 pub mod shape;
 mod triangulate;
 pub mod unit;
+pub mod up;
 
 pub use device::{Device, NamedMaterial, Surface};
 pub use error::{DeviceError, Place};
 pub use material::Material;
 pub use shape::Shape;
 pub use unit::Unit;
+pub use up::Up;

@@ -1,0 +1,49 @@
+# One or two lines a target. `make help` lists them.
+VENV ?= .venv
+PYTHON ?= python3
+BIN = $(VENV)/bin
+# Everything that makes the extension module out of date.
+SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
+
+.PHONY: help setup demo test test-rust test-python lint format bench docs clean
+
+help: ## List the targets
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
+
+$(VENV)/.installed: $(BIN)/python $(SOURCES)
+	$(BIN)/python -m pip install --quiet --editable '.[plot,radiance]' --group dev
+	touch $@
+
+setup: $(VENV)/.installed ## Make .venv with bsdftree and everything that it and its tests need
+
+demo: setup ## Generate three devices, write XML and pictures to demo/, print a table
+	$(BIN)/python examples/demo.py demo
+
+test: lint test-rust test-python ## Set up everything and run all tests
+
+test-rust: ## Rust tests
+	cargo test --workspace --quiet
+
+test-python: setup ## Python tests
+	$(BIN)/python -m pytest -q
+
+lint: setup ## Formatting, clippy, ruff, mypy: warnings are errors
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --quiet -- -D warnings
+	$(BIN)/ruff check && $(BIN)/ruff format --check
+	$(BIN)/mypy
+
+format: setup ## Format all code
+	cargo fmt --all
+	$(BIN)/ruff format && $(BIN)/ruff check --fix
+
+bench: setup ## Measure, with Radiance beside it
+	cargo bench --workspace
+	$(BIN)/python benches/beside_radiance.py
+
+clean: ## Remove what was built
+	rm -rf target $(VENV) demo

@@ -1,0 +1,257 @@
+//! A whole BSDF and its queries over arrays.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use bsdftree::bsdf::LengthUnit;
+use bsdftree::xml::{self, Fault, Strictness};
+use bsdftree::{Band, Component, Lobes, Part, Scattering};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::arrays::{Directions, Numbers, directions, same_length};
+use crate::component;
+
+/// A BSDF.
+#[pyclass(frozen, module = "bsdftree._core")]
+pub struct Bsdf {
+    pub bsdf: bsdftree::Bsdf,
+    pub repairs: Vec<String>,
+}
+
+fn lobes(part: &str) -> PyResult<Lobes> {
+    match part {
+        "all" => Ok(Lobes::All),
+        "reflection" => Ok(Lobes::Reflection),
+        "transmission" => Ok(Lobes::Transmission),
+        other => Err(PyValueError::new_err(format!(
+            "part {other:?}; expected \"all\", \"reflection\" or \"transmission\""
+        ))),
+    }
+}
+
+impl Bsdf {
+    fn band(&self, name: &str) -> PyResult<&Band> {
+        self.bsdf.band(name).ok_or_else(|| {
+            let names: Vec<_> = self.bsdf.bands.iter().map(|b| b.name.as_str()).collect();
+            PyValueError::new_err(format!("no band {name:?}; the file has {}", names.join(", ")))
+        })
+    }
+}
+
+/// An array of (n, k) from its rows.
+fn rows<'py, const K: usize>(py: Python<'py>, rows: Vec<[f64; K]>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let n = rows.len();
+    PyArray1::from_vec(py, rows.into_flattened()).reshape([n, K])
+}
+
+#[pymethods]
+impl Bsdf {
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<Bsdf> {
+        let strictness = if strict { Strictness::Strict } else { Strictness::Repair };
+        py.detach(|| match xml::read_file(&path, strictness) {
+            Ok((bsdf, repairs)) => {
+                Ok(Bsdf { bsdf, repairs: repairs.iter().map(ToString::to_string).collect() })
+            }
+            Err(error) => Err(match &error.fault {
+                // Python turns the number into FileNotFoundError and its like.
+                Fault::Unreadable(e) if e.raw_os_error().is_some() => {
+                    PyOSError::new_err((e.raw_os_error(), e.kind().to_string(), path.display().to_string()))
+                }
+                _ => PyValueError::new_err(error.to_string()),
+            }),
+        })
+    }
+
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| xml::write_file(&self.bsdf, &path)).map_err(|e| PyOSError::new_err(e.to_string()))
+    }
+
+    #[getter]
+    fn repairs(&self) -> Vec<String> {
+        self.repairs.clone()
+    }
+
+    #[getter]
+    fn bands(&self) -> Vec<String> {
+        self.bsdf.bands.iter().map(|b| b.name.clone()).collect()
+    }
+
+    /// Name, manufacturer, lengths in metres and the rest of the header.
+    #[getter]
+    fn header<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, pyo3::types::PyDict>> {
+        let header = &self.bsdf.header;
+        let dict = pyo3::types::PyDict::new(py);
+        dict.set_item("name", &header.name)?;
+        dict.set_item("manufacturer", &header.manufacturer)?;
+        dict.set_item("width", header.width)?;
+        dict.set_item("height", header.height)?;
+        dict.set_item("thickness", header.thickness)?;
+        dict.set_item("unit", header.unit.file_name())?;
+        dict.set_item("geometry", header.geometry.as_ref().map(|g| g.mgf.as_str()))?;
+        dict.set_item("provenance", &header.provenance)?;
+        Ok(dict)
+    }
+
+    /// A copy with some of the header replaced.
+    #[pyo3(signature = (name=None, manufacturer=None, unit=None, provenance=None))]
+    fn with_header(
+        &self,
+        name: Option<String>,
+        manufacturer: Option<String>,
+        unit: Option<&str>,
+        provenance: Option<Vec<String>>,
+    ) -> PyResult<Bsdf> {
+        let mut bsdf = self.bsdf.clone();
+        let header = &mut bsdf.header;
+        header.name = name.unwrap_or_else(|| std::mem::take(&mut header.name));
+        header.manufacturer = manufacturer.unwrap_or_else(|| std::mem::take(&mut header.manufacturer));
+        header.provenance = provenance.unwrap_or_else(|| std::mem::take(&mut header.provenance));
+        if let Some(unit) = unit {
+            header.unit = LengthUnit::from_name(unit)
+                .ok_or_else(|| PyValueError::new_err(format!("no unit {unit:?}")))?;
+        }
+        Ok(Bsdf { bsdf, repairs: self.repairs.clone() })
+    }
+
+    /// The functions of each component of a band: luminance, then chroma if there is colour.
+    fn components<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+    ) -> PyResult<BTreeMap<&'static str, Vec<Bound<'py, PyAny>>>> {
+        self.band(band)?
+            .components()
+            .map(|(part, component)| Ok((part.key(), component::functions(py, component)?)))
+            .collect()
+    }
+
+    /// A BSDF of one band with one component, for trees made from grids.
+    #[staticmethod]
+    fn from_trees(trees: BTreeMap<String, PyRef<'_, component::Tree>>) -> PyResult<Bsdf> {
+        let mut bsdf = bsdftree::Bsdf::default();
+        for (key, tree) in trees {
+            let part = Part::ALL.into_iter().find(|p| p.key() == key).ok_or_else(|| {
+                let keys: Vec<_> = Part::ALL.iter().map(|p| p.key()).collect();
+                PyValueError::new_err(format!("no component {key:?}; expected one of {}", keys.join(", ")))
+            })?;
+            bsdf.band_mut("Visible")
+                .insert(part, Component::grey(Scattering::Tree(std::sync::Arc::clone(&tree.0))));
+        }
+        Ok(Bsdf { bsdf, repairs: Vec::new() })
+    }
+
+    fn eval<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+        incident: Directions<'py>,
+        exitant: Directions<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let band = self.band(band)?;
+        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
+        same_length(i.len(), o.len())?;
+        let values = py.detach(|| i.iter().zip(o).map(|(&i, &o)| band.eval(i, o)).collect());
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    fn eval_xyz<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+        incident: Directions<'py>,
+        exitant: Directions<'py>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let band = self.band(band)?;
+        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
+        same_length(i.len(), o.len())?;
+        rows(py, py.detach(|| i.iter().zip(o).map(|(&i, &o)| band.eval_xyz(i, o)).collect()))
+    }
+
+    fn pdf<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+        incident: Directions<'py>,
+        exitant: Directions<'py>,
+        part: &str,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (band, lobes) = (self.band(band)?, lobes(part)?);
+        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
+        same_length(i.len(), o.len())?;
+        let values = py.detach(|| i.iter().zip(o).map(|(&i, &o)| band.pdf(i, o, lobes)).collect());
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    #[pyo3(signature = (band, incident, u, v, part))]
+    #[allow(clippy::type_complexity, reason = "three arrays side by side")]
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+        incident: Directions<'py>,
+        u: Numbers<'py>,
+        v: Option<Numbers<'py>>,
+        part: &str,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        let (band, lobes) = (self.band(band)?, lobes(part)?);
+        let (i, u) = (directions(&incident, "incident")?, u.as_slice()?);
+        let v = v.as_ref().map(|v| v.as_slice()).transpose()?;
+        same_length(i.len(), u.len())?;
+        v.map_or(Ok(()), |v| same_length(i.len(), v.len()))?;
+        let samples: Vec<_> =
+            py.detach(|| (0..i.len()).map(|k| band.sample(i[k], u[k], v.map(|v| v[k]), lobes)).collect());
+        let exitant = rows(py, samples.iter().map(|s| s.exitant).collect())?;
+        let weight = PyArray1::from_iter(py, samples.iter().map(|s| s.weight));
+        Ok((exitant, weight, PyArray1::from_iter(py, samples.iter().map(|s| s.pdf))))
+    }
+
+    fn hemispherical<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+        incident: Directions<'py>,
+        part: &str,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (band, lobes) = (self.band(band)?, lobes(part)?);
+        let i = directions(&incident, "incident")?;
+        Ok(PyArray1::from_vec(py, py.detach(|| i.iter().map(|&i| band.hemispherical(i, lobes)).collect())))
+    }
+
+    /// NaN where there is no component.
+    fn projected_solid_angle<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+        incident: Directions<'py>,
+        exitant: Directions<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let band = self.band(band)?;
+        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
+        same_length(i.len(), o.len())?;
+        let angle = |(&i, &o)| band.projected_solid_angle(i, o).unwrap_or(f64::NAN);
+        Ok(PyArray1::from_vec(py, py.detach(|| i.iter().zip(o).map(angle).collect())))
+    }
+
+    /// Smallest and largest, NaN where there is no component.
+    fn projected_solid_angle_range<'py>(
+        &self,
+        py: Python<'py>,
+        band: &str,
+        incident: Directions<'py>,
+        part: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (band, lobes) = (self.band(band)?, lobes(part)?);
+        let i = directions(&incident, "incident")?;
+        let range = |&i| band.projected_solid_angle_range(i, lobes).unwrap_or([f64::NAN; 2]);
+        rows(py, py.detach(|| i.iter().map(range).collect()))
+    }
+
+    /// The Lambertian part of each component.
+    fn lambertian(&self, py: Python<'_>, band: &str) -> PyResult<BTreeMap<&'static str, f64>> {
+        let band = self.band(band)?;
+        Ok(py.detach(|| band.components().map(|(part, c)| (part.key(), c.luminance.lambertian())).collect()))
+    }
+}

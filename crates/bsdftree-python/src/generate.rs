@@ -1,0 +1,212 @@
+//! Devices, and generation on threads of its own so that Python can show progress and stop it.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use bsdftree::Basis;
+use bsdftree::bsdf::LengthUnit;
+use bsdftree_device::{Unit, Up, parametric};
+use bsdftree_generate::{Aperture, GenerateError, Layout, Options, Progress, Report, Sides};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::bsdf::Bsdf;
+
+fn value_error(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Geometry and materials.
+#[pyclass(frozen, module = "bsdftree")]
+pub struct Device(Arc<bsdftree_device::Device>);
+
+#[pymethods]
+impl Device {
+    #[staticmethod]
+    fn _read_rad(py: Python<'_>, paths: Vec<PathBuf>, unit: &str) -> PyResult<Device> {
+        let unit = Unit::from_str(unit).map_err(value_error)?;
+        let device = py.detach(|| bsdftree_device::Device::read_rad(&paths, unit)).map_err(value_error)?;
+        Ok(Device(Arc::new(device)))
+    }
+
+    #[staticmethod]
+    fn _parse_rad(text: &str, directory: PathBuf, unit: &str) -> PyResult<Device> {
+        let unit = Unit::from_str(unit).map_err(value_error)?;
+        let device = bsdftree_device::Device::parse_rad(text, "text", Path::new(&directory), unit)
+            .map_err(value_error)?;
+        Ok(Device(Arc::new(device)))
+    }
+
+    #[staticmethod]
+    fn _from_spec(spec: &str) -> PyResult<Device> {
+        Ok(Device(Arc::new(bsdftree_device::Device::from_spec(spec).map_err(value_error)?)))
+    }
+
+    fn _turned_up(&self, up: &str) -> PyResult<Device> {
+        Ok(Device(Arc::new(self.0.turned_up(Up::from_str(up).map_err(value_error)?))))
+    }
+
+    /// The device as a Radiance scene in metres.
+    fn to_rad(&self) -> String {
+        self.0.to_rad()
+    }
+
+    #[getter]
+    fn n_surfaces(&self) -> usize {
+        self.0.surfaces.len()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings.clone()
+    }
+
+    /// Corners of the bounding box \[m\], or None for an empty device.
+    #[getter]
+    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
+        self.0.bounds().map(|b| b.map(|p| p.to_array()))
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Device of {} surfaces>", self.0.surfaces.len())
+    }
+}
+
+/// The parametric devices: name, summary, drawing, and name, unit, default, range, meaning of each parameter.
+#[pyfunction]
+pub fn device_families(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    parametric::families()
+        .iter()
+        .map(|family| {
+            let dict = PyDict::new(py);
+            dict.set_item("name", family.name)?;
+            dict.set_item("summary", family.summary)?;
+            dict.set_item("drawing", family.drawing)?;
+            let parameters: Vec<_> = family
+                .parameters
+                .iter()
+                .map(|p| (p.name, p.unit, p.default_text(), p.range_text(), p.meaning))
+                .collect();
+            dict.set_item("parameters", parameters)?;
+            Ok(dict)
+        })
+        .collect()
+}
+
+fn klems_basis(name: &str, subdivide: u32) -> PyResult<Basis> {
+    let basis = match name {
+        "full" => Basis::full(),
+        "half" => Basis::half(),
+        "quarter" => Basis::quarter(),
+        other => {
+            return Err(value_error(format!(
+                "Klems basis {other:?}; expected \"full\", \"half\" or \"quarter\""
+            )));
+        }
+    };
+    if subdivide == 1 { Ok(basis) } else { basis.subdivided(subdivide).map_err(value_error) }
+}
+
+type Outcome = Result<(bsdftree::Bsdf, Report), GenerateError>;
+
+/// A generation that runs.
+#[pyclass(frozen, module = "bsdftree._core")]
+pub struct Generation {
+    progress: Arc<Progress>,
+    thread: Mutex<Option<JoinHandle<Outcome>>>,
+}
+
+/// Starts a generation. Of `klems` and (`rank`, `log2_res`) exactly one is given.
+#[pyfunction]
+#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, sides, color, reciprocity, pruned, aperture, unit, seed, threads))]
+#[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
+pub fn generate(
+    device: &Device,
+    rank: usize,
+    log2_res: u32,
+    klems: Option<&str>,
+    subdivide: u32,
+    samples: u64,
+    sides: &str,
+    color: bool,
+    reciprocity: bool,
+    pruned: bool,
+    aperture: Option<[[f64; 3]; 2]>,
+    unit: &str,
+    seed: u64,
+    threads: Option<usize>,
+) -> PyResult<Generation> {
+    let layout = match klems {
+        Some(name) => Layout::Klems(Arc::new(klems_basis(name, subdivide)?)),
+        None => Layout::Tree { rank: crate::component::rank(rank)?, log2_res },
+    };
+    let sides = match sides {
+        "front" => Sides::Front,
+        "back" => Sides::Back,
+        "both" => Sides::Both,
+        other => {
+            return Err(value_error(format!("sides {other:?}; expected \"front\", \"back\" or \"both\"")));
+        }
+    };
+    let unit = LengthUnit::from_name(unit).ok_or_else(|| value_error(format!("no unit {unit:?}")))?;
+    let aperture = aperture.map(|[min, max]| Aperture { min, max });
+    let options =
+        Options { layout, samples, sides, color, reciprocity, pruned, aperture, unit, seed, threads };
+    let progress = Arc::new(Progress::default());
+    let (device, shared) = (Arc::clone(&device.0), Arc::clone(&progress));
+    let thread = std::thread::spawn(move || bsdftree_generate::generate(&device, &options, &shared));
+    Ok(Generation { progress, thread: Mutex::new(Some(thread)) })
+}
+
+#[pymethods]
+impl Generation {
+    /// Paths done and paths to do.
+    fn paths(&self) -> (u64, u64) {
+        self.progress.paths()
+    }
+
+    /// Stops it soon.
+    fn cancel(&self) {
+        self.progress.cancel();
+    }
+
+    /// Waits at most this long \[s\]; whether it has ended.
+    fn wait(&self, py: Python<'_>, seconds: f64) -> bool {
+        const STEP: Duration = Duration::from_millis(5);
+        py.detach(|| {
+            let end = std::time::Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 3600.0));
+            loop {
+                let ended = {
+                    let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner);
+                    thread.as_ref().is_none_or(JoinHandle::is_finished)
+                };
+                if ended || std::time::Instant::now() >= end {
+                    return ended;
+                }
+                std::thread::sleep(STEP);
+            }
+        })
+    }
+
+    /// The BSDF and what was done; once.
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<(Bsdf, Bound<'py, PyDict>)> {
+        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let thread = thread.ok_or_else(|| PyRuntimeError::new_err("the result was taken already"))?;
+        let outcome = py
+            .detach(|| thread.join())
+            .map_err(|_| PyRuntimeError::new_err("generation failed on its thread"))?;
+        let (bsdf, report) = outcome.map_err(value_error)?;
+        let dict = PyDict::new(py);
+        dict.set_item("paths", report.paths)?;
+        dict.set_item("lost", report.lost)?;
+        dict.set_item("tracing_seconds", report.tracing.as_secs_f64())?;
+        dict.set_item("reducing_seconds", report.reducing.as_secs_f64())?;
+        dict.set_item("aperture", [report.aperture.min, report.aperture.max])?;
+        dict.set_item("warnings", report.warnings)?;
+        Ok((Bsdf { bsdf, repairs: Vec::new() }, dict))
+    }
+}

@@ -1,0 +1,40 @@
+"""Variable-resolution BSDFs: generate, read, evaluate, sample, check and draw them.
+
+A BSDF f(incident, exitant) [1/sr] says how a surface or a whole window system scatters light. Directions are unit
+vectors that point **away** from the surface, the incident one too: X is right seen from the front, Y is up, and +Z,
+the front, is the room. Values have **no cosine**.
+
+>>> import bsdftree
+>>> device = bsdftree.Device.from_spec("mirror:reflectance=0.9")
+>>> b = bsdftree.generate(device, rank=3, log2_res=4, samples=64)
+>>> round(float(b.hemispherical([0, 0.6, 0.8], part="reflection")), 3)
+0.9
+"""
+
+from bsdftree._bsdf import Bsdf, Matrix, Sample, Tree, load
+from bsdftree._check import BandCheck, Energy, Finding, Reciprocity
+from bsdftree._core import __version__
+from bsdftree._device import Device, Family, Parameter, device_families
+from bsdftree._directions import direction_from_polar, polar_from_direction
+from bsdftree._generate import GenerationReport, generate
+
+__all__ = [
+    "BandCheck",
+    "Bsdf",
+    "Device",
+    "Energy",
+    "Family",
+    "Finding",
+    "GenerationReport",
+    "Matrix",
+    "Parameter",
+    "Reciprocity",
+    "Sample",
+    "Tree",
+    "__version__",
+    "device_families",
+    "direction_from_polar",
+    "generate",
+    "load",
+    "polar_from_direction",
+]

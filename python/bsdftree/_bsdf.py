@@ -1,0 +1,426 @@
+"""A BSDF and what can be asked of it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bsdftree import _core
+from bsdftree._check import BandCheck, band_checks
+from bsdftree._directions import as_pairs, as_rows
+
+Part = Literal["all", "reflection", "transmission"]
+Array = NDArray[np.float64]
+
+
+class Sample(NamedTuple):
+    """Directions sampled from a BSDF.
+
+    Attributes
+    ----------
+    exitant
+        Unit vectors, (..., 3). Meaningless where ``pdf`` is 0.
+    weight
+        BSDF x |cos θ_exitant| / pdf, (...); 0 where the BSDF is black.
+    pdf
+        Density of ``exitant`` [1/sr of solid angle], (...).
+    """
+
+    exitant: Array
+    weight: Array
+    pdf: Array
+
+
+class Tree:
+    """A tensor tree: one BSDF component, subdivided where it changes.
+
+    Attributes
+    ----------
+    rank : int
+        3 (isotropic: incident polar angle, exitant direction) or 4.
+    depth : int
+        Deepest subdivision: 2^depth cells per axis.
+    n_leaves : int
+        Number of values.
+    nbytes : int
+        Memory of the tree [byte].
+    """
+
+    def __init__(self, core: _core.Tree) -> None:
+        self._core = core
+        self.rank = core.rank
+        self.depth = core.depth
+        self.n_leaves = core.n_leaves
+        self.nbytes = core.nbytes
+
+    @classmethod
+    def from_grid(cls, values: ArrayLike) -> Tree:
+        """Build a tree from a uniform grid; equal neighbours become one leaf.
+
+        Parameters
+        ----------
+        values
+            BSDF [1/sr], shape (2^N,) * rank with rank 3 or 4. Axes as in the file format: rank 4 is incident x, y and
+            exitant x, y of the Shirley-Chiu square; rank 3 is incident polar angle and exitant x, y.
+
+        Raises
+        ------
+        ValueError
+            If the shape is not that, or a value is negative or not finite.
+
+        Examples
+        --------
+        >>> Tree.from_grid(np.full((4, 4, 4, 4), 0.2)).n_leaves
+        1
+        """
+        array = np.asarray(values, np.float32)
+        if array.ndim not in (3, 4) or len(set(array.shape)) != 1:
+            raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
+        return cls(_core.Tree._from_grid(np.ascontiguousarray(array).reshape(-1), array.ndim))
+
+    def to_grid(self, log2_res: int | None = None) -> NDArray[np.float32]:
+        """Values on a uniform grid.
+
+        Parameters
+        ----------
+        log2_res
+            2^log2_res cells per axis; the tree's own depth by default. Coarser cells are means.
+
+        Returns
+        -------
+        ndarray
+            Shape (2^log2_res,) * rank [1/sr].
+
+        Raises
+        ------
+        ValueError
+            If the grid would have over 2^31 values.
+        """
+        log2_res = self.depth if log2_res is None else log2_res
+        if not 0 <= log2_res * self.rank <= 31:
+            raise ValueError(f"a grid of 2^{log2_res} cells along {self.rank} axes; expected at most 2^31 in all")
+        return self._core._to_grid(log2_res).reshape((1 << log2_res,) * self.rank)
+
+    def leaves(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32], NDArray[np.float32]]:
+        """All leaves.
+
+        Returns
+        -------
+        cells : ndarray
+            Lower corners in units of each leaf's own edge, (n_leaves, rank).
+        levels : ndarray
+            Edge is 2^-level, (n_leaves,).
+        values : ndarray
+            [1/sr], (n_leaves,).
+        """
+        return self._core.leaves()
+
+    def __repr__(self) -> str:
+        return repr(self._core)
+
+
+class Matrix:
+    """A Klems matrix: one BSDF component over fixed patches.
+
+    Attributes
+    ----------
+    values : ndarray
+        [1/sr], (incident patches, exitant patches). WINDOW's text has the transpose.
+    incident_basis, exitant_basis : str
+        Names of the angle bases.
+    incident_rings, exitant_rings : list of (lower, upper, n)
+        Polar angles [degree] and number of patches of each ring, from the normal outwards.
+    nbytes : int
+        Memory of the values [byte].
+    """
+
+    def __init__(self, core: _core.Matrix) -> None:
+        self._core = core
+        self.values = core.values
+        self.incident_basis = core.incident_basis
+        self.exitant_basis = core.exitant_basis
+        self.incident_rings = core.incident_rings
+        self.exitant_rings = core.exitant_rings
+        self.nbytes = core.nbytes
+
+    def __repr__(self) -> str:
+        return repr(self._core)
+
+
+def _wrapped(core: _core.Tree | _core.Matrix) -> Tree | Matrix:
+    return Tree(core) if isinstance(core, _core.Tree) else Matrix(core)
+
+
+class Bsdf:
+    """A BSDF: up to four components in one or more spectral bands.
+
+    All queries take arrays of unit vectors of shape (..., 3), broadcast against each other, and are thread-safe. The side of
+    the surface that a direction lies on chooses the component: +z is the front, the room. An absent transmission is the
+    other one reversed; an absent reflection is black. A direction exactly between two cells belongs to the upper one,
+    so normal incidence has one well-defined value.
+
+    Attributes
+    ----------
+    name, manufacturer : str
+        Of the product.
+    width, height, thickness : float or None
+        Extent of the device along X, Y, Z [m].
+    unit : str
+        The unit of length in the file: meter, foot, inch, centimeter or millimeter.
+    geometry : str or None
+        Device geometry in the file, as MGF text.
+    provenance : list of str
+        How it was made: comments at the head of the file.
+    repairs : list of str
+        What :func:`load` had to mend with ``strict=False``, and remarks.
+    bands : list of str
+        Names of the spectral bands; queries ask ``Visible`` unless told otherwise.
+    """
+
+    def __init__(self, core: _core.Bsdf) -> None:
+        self._core = core
+        header = core.header
+        self.name: str = header["name"]
+        self.manufacturer: str = header["manufacturer"]
+        self.width: float | None = header["width"]
+        self.height: float | None = header["height"]
+        self.thickness: float | None = header["thickness"]
+        self.unit: str = header["unit"]
+        self.geometry: str | None = header["geometry"]
+        self.provenance: list[str] = header["provenance"]
+        self.repairs: list[str] = core.repairs
+        self.bands: list[str] = core.bands
+
+    @classmethod
+    def from_trees(cls, trees: Mapping[str, Tree]) -> Bsdf:
+        """Make a BSDF of trees.
+
+        Parameters
+        ----------
+        trees
+            From component (``reflection_front``, ``reflection_back``, ``transmission_front``, ``transmission_back``; as in
+            WINDOW, front is the outside here) to tree.
+
+        Examples
+        --------
+        >>> white = Tree.from_grid(np.full((1, 1, 1, 1), 0.8 / np.pi))
+        >>> b = Bsdf.from_trees({"reflection_back": white})
+        >>> round(float(b.hemispherical([0, 0, 1])), 4)
+        0.8
+        """
+        return cls(_core.Bsdf.from_trees({key: tree._core for key, tree in trees.items()}))
+
+    def with_header(
+        self,
+        *,
+        name: str | None = None,
+        manufacturer: str | None = None,
+        unit: str | None = None,
+        provenance: list[str] | None = None,
+    ) -> Bsdf:
+        """Return a copy with some of the header replaced."""
+        return Bsdf(self._core.with_header(name, manufacturer, unit, provenance))
+
+    @property
+    def components(self) -> dict[str, Tree | Matrix]:
+        """Luminance of each component of the band ``Visible`` (or the only band), by name."""
+        return self.components_of(self.bands[0] if "Visible" not in self.bands and self.bands else "Visible")
+
+    def components_of(self, band: str) -> dict[str, Tree | Matrix]:
+        """Luminance of each component of a band, by name."""
+        return {key: _wrapped(functions[0]) for key, functions in self._core.components(band).items()}
+
+    def chroma_of(self, band: str = "Visible") -> dict[str, tuple[Tree | Matrix, Tree | Matrix]]:
+        """Colour of the components that have it: u′ and v′ trees, or X and Z matrices."""
+        components = self._core.components(band)
+        return {key: (_wrapped(f[1]), _wrapped(f[2])) for key, f in components.items() if len(f) == 3}
+
+    def eval(
+        self, incident: ArrayLike, exitant: ArrayLike, *, color: bool = False, band: str = "Visible"
+    ) -> Array:
+        """BSDF for pairs of directions.
+
+        Parameters
+        ----------
+        incident, exitant
+            Unit vectors away from the surface, (..., 3).
+        color
+            Whether to return CIE X, Y, Z instead of Y.
+        band
+            Spectral band.
+
+        Returns
+        -------
+        ndarray
+            [1/sr] without cosine, (...) or, with ``color``, (..., 3). Mitsuba and OpenPBR include |cos θ_exitant|:
+            multiply by it there.
+
+        Raises
+        ------
+        ValueError
+            If shapes do not fit, a vector has no direction, or there is no such band.
+        """
+        i, o, shape = as_pairs(incident, exitant)
+        if color:
+            return self._core.eval_xyz(band, i, o).reshape(*shape, 3)
+        return self._core.eval(band, i, o).reshape(shape)
+
+    def sample(
+        self, incident: ArrayLike, u: ArrayLike, *, part: Part = "all", band: str = "Visible"
+    ) -> Sample:
+        """Directions chosen in proportion to BSDF x |cos θ_exitant|.
+
+        Parameters
+        ----------
+        incident
+            Unit vectors, (..., 3).
+        u
+            Random numbers in [0, 1), one for each sample, (...), or two, (..., 2); for a single ``incident`` (n,) or
+            (n, 2). One number runs along a Hilbert curve: stratified numbers give stratified directions.
+        part
+            ``"all"``, ``"reflection"`` or ``"transmission"``.
+        band
+            Spectral band.
+
+        Returns
+        -------
+        Sample
+            Directions, weights and densities.
+
+        Examples
+        --------
+        >>> b = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.full((1, 1, 1, 1), 0.5 / np.pi))})
+        >>> s = b.sample([0, 0, 1], np.linspace(0, 1, 8, endpoint=False))
+        >>> s.exitant.shape, float(s.weight[0])
+        ((8, 3), 0.5)
+        """
+        i, shape = as_rows("incident", incident)
+        numbers = np.asarray(u, np.float64)
+        if numbers.size and not ((numbers >= 0.0) & (numbers < 1.0)).all():
+            raise ValueError("u holds numbers outside [0, 1)")
+        two = numbers.ndim == max(len(shape) + 1, 2) and numbers.shape[-1] == 2
+        lead = numbers.shape[:-1] if two else numbers.shape
+        try:
+            full = np.broadcast_shapes(shape, lead)
+        except ValueError:
+            raise ValueError(f"incident has shape {(*shape, 3)} and u {numbers.shape}; they do not broadcast") from None
+        i = np.ascontiguousarray(np.broadcast_to(i.reshape(*shape, 3), (*full, 3)).reshape(-1, 3))
+        columns = [numbers[..., k] for k in range(2)] if two else [numbers]
+        flat = [np.ascontiguousarray(np.broadcast_to(c, full).reshape(-1)) for c in columns]
+        exitant, weight, pdf = self._core.sample(band, i, flat[0], flat[1] if two else None, part)
+        return Sample(exitant.reshape(*full, 3), weight.reshape(full), pdf.reshape(full))
+
+    def pdf(
+        self, incident: ArrayLike, exitant: ArrayLike, *, part: Part = "all", band: str = "Visible"
+    ) -> Array:
+        """Density with which :meth:`sample` chooses ``exitant`` [1/sr of solid angle], (...)."""
+        i, o, shape = as_pairs(incident, exitant)
+        return self._core.pdf(band, i, o, part).reshape(shape)
+
+    def hemispherical(self, incident: ArrayLike, part: Part = "all", *, band: str = "Visible") -> Array:
+        """Fraction of the light from each direction that is scattered: directional-hemispherical totals.
+
+        Parameters
+        ----------
+        incident
+            Unit vectors, (..., 3).
+        part
+            ``"all"``, ``"reflection"`` or ``"transmission"``.
+        band
+            Spectral band.
+
+        Returns
+        -------
+        ndarray
+            In [0, 1] for a lawful BSDF, (...).
+        """
+        i, shape = as_rows("incident", incident)
+        return self._core.hemispherical(band, i, part).reshape(shape)
+
+    def projected_solid_angle(
+        self, incident: ArrayLike, exitant: ArrayLike | None = None, *, part: Part = "all", band: str = "Visible"
+    ) -> Array:
+        """Resolution of the data.
+
+        Parameters
+        ----------
+        incident
+            Unit vectors, (..., 3).
+        exitant
+            Unit vectors, (..., 3). With them: the projected solid angle [sr] of the cell that holds each. Without: the
+            smallest and largest among the cells that light from ``incident`` may leave through.
+        part
+            Which exitant side counts without ``exitant``.
+        band
+            Spectral band.
+
+        Returns
+        -------
+        ndarray
+            (...) with ``exitant``, else (..., 2). NaN where there is no component.
+        """
+        if exitant is not None:
+            i, o, shape = as_pairs(incident, exitant)
+            return self._core.projected_solid_angle(band, i, o).reshape(shape)
+        i, shape = as_rows("incident", incident)
+        return self._core.projected_solid_angle_range(band, i, part).reshape(*shape, 2)
+
+    def lambertian(self, band: str = "Visible") -> dict[str, float]:
+        """Lambertian part of each component: the reflectance or transmittance of its smallest value, if over 1 %."""
+        return self._core.lambertian(band)
+
+    def check(self, *, energy: float = 0.01, reciprocity: float = 0.25) -> list[BandCheck]:
+        """Check energy, reciprocity, missing sides and orientation.
+
+        Parameters
+        ----------
+        energy
+            Tolerated excess of scattered over incident light.
+        reciprocity
+            Tolerated flux-weighted mean of |a - b| / (a + b) between pairs of directions and the same pairs swapped.
+
+        Returns
+        -------
+        list of BandCheck
+            One for each band.
+        """
+        return band_checks(_core.check(self._core, energy, reciprocity))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the BSDF as WINDOW 6 XML, replacing the file only when it is complete.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        self._core.write(os.fspath(path))
+
+    def __repr__(self) -> str:
+        parts = ", ".join(f"{key}: {component!r}" for key, component in self.components.items()) if self.bands else ""
+        return f"<Bsdf {self.name!r} bands {', '.join(self.bands)}; {parts}>"
+
+
+def load(path: str | os.PathLike[str], strict: bool = True) -> Bsdf:
+    """Read a BSDF from WINDOW 6 XML: tensor trees or Klems matrices.
+
+    Parameters
+    ----------
+    path
+        The file.
+    strict
+        Whether to refuse what would be lost or reinterpreted silently. Otherwise it is mended, and ``repairs`` of the
+        result says what was done.
+
+    Raises
+    ------
+    ValueError
+        If it is not a BSDF; the message has byte offset, line, what was found and what was expected.
+    OSError
+        If it cannot be read.
+    """
+    return Bsdf(_core.Bsdf.read(os.fspath(path), strict))

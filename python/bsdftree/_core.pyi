@@ -1,0 +1,94 @@
+# The extension module: arrays in, arrays out. Rows of (n, 3) arrays are unit vectors, C-contiguous.
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Array = NDArray[np.float64]
+
+__version__: str
+
+class Tree:
+    rank: int
+    depth: int
+    n_leaves: int
+    nbytes: int
+    @staticmethod
+    def _from_grid(values: NDArray[np.float32], rank: int) -> Tree: ...
+    def _to_grid(self, log2_res: int) -> NDArray[np.float32]: ...
+    def leaves(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32], NDArray[np.float32]]: ...
+
+class Matrix:
+    incident_basis: str
+    exitant_basis: str
+    incident_rings: list[tuple[float, float, int]]
+    exitant_rings: list[tuple[float, float, int]]
+    values: NDArray[np.float32]
+    nbytes: int
+
+class Bsdf:
+    repairs: list[str]
+    bands: list[str]
+    header: dict[str, Any]
+    @staticmethod
+    def read(path: str, strict: bool) -> Bsdf: ...
+    @staticmethod
+    def from_trees(trees: dict[str, Tree]) -> Bsdf: ...
+    def write(self, path: str) -> None: ...
+    def with_header(
+        self,
+        name: str | None = None,
+        manufacturer: str | None = None,
+        unit: str | None = None,
+        provenance: list[str] | None = None,
+    ) -> Bsdf: ...
+    def components(self, band: str) -> dict[str, list[Tree | Matrix]]: ...
+    def lambertian(self, band: str) -> dict[str, float]: ...
+    def eval(self, band: str, incident: _Array, exitant: _Array) -> _Array: ...
+    def eval_xyz(self, band: str, incident: _Array, exitant: _Array) -> _Array: ...
+    def pdf(self, band: str, incident: _Array, exitant: _Array, part: str) -> _Array: ...
+    def sample(
+        self, band: str, incident: _Array, u: _Array, v: _Array | None, part: str
+    ) -> tuple[_Array, _Array, _Array]: ...
+    def hemispherical(self, band: str, incident: _Array, part: str) -> _Array: ...
+    def projected_solid_angle(self, band: str, incident: _Array, exitant: _Array) -> _Array: ...
+    def projected_solid_angle_range(self, band: str, incident: _Array, part: str) -> _Array: ...
+
+class Device:
+    n_surfaces: int
+    warnings: list[str]
+    bounds: list[list[float]] | None
+    @staticmethod
+    def _read_rad(paths: list[str], unit: str) -> Device: ...
+    @staticmethod
+    def _parse_rad(text: str, directory: str, unit: str) -> Device: ...
+    @staticmethod
+    def _from_spec(spec: str) -> Device: ...
+    def _turned_up(self, up: str) -> Device: ...
+    def to_rad(self) -> str: ...
+
+class Generation:
+    def paths(self) -> tuple[int, int]: ...
+    def cancel(self) -> None: ...
+    def wait(self, seconds: float) -> bool: ...
+    def result(self) -> tuple[Bsdf, dict[str, Any]]: ...
+
+def device_families() -> list[dict[str, Any]]: ...
+def generate(
+    device: Device,
+    *,
+    rank: int,
+    log2_res: int,
+    klems: str | None,
+    subdivide: int,
+    samples: int,
+    sides: str,
+    color: bool,
+    reciprocity: bool,
+    pruned: bool,
+    aperture: tuple[tuple[float, ...], tuple[float, ...]] | None,
+    unit: str,
+    seed: int,
+    threads: int | None,
+) -> Generation: ...
+def check(bsdf: Bsdf, energy: float, reciprocity: float) -> list[dict[str, Any]]: ...

@@ -1,0 +1,157 @@
+"""Generation of a BSDF from a device."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from bsdftree import _core
+from bsdftree._bsdf import Bsdf
+from bsdftree._device import Device, as_device
+
+_METERS = {"meter": 1.0, "foot": 0.3048, "inch": 0.0254, "centimeter": 0.01, "millimeter": 0.001}
+
+
+@dataclass(frozen=True)
+class GenerationReport:
+    """What a generation did.
+
+    Attributes
+    ----------
+    paths
+        Paths followed.
+    lost
+        Paths trapped in the device; they are missing from the result.
+    tracing_seconds, reducing_seconds
+        Wall time of the two stages.
+    aperture
+        Smallest and largest x, y, z of the box that stood for the device [m].
+    warnings
+        What you should know.
+    """
+
+    paths: int
+    lost: int
+    tracing_seconds: float
+    reducing_seconds: float
+    aperture: tuple[tuple[float, float, float], tuple[float, float, float]]
+    warnings: tuple[str, ...]
+
+
+def generate(
+    device: Device | str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    *,
+    rank: int = 4,
+    log2_res: int = 5,
+    klems: Literal["full", "half", "quarter"] | None = None,
+    subdivide: int = 1,
+    samples: int = 2000,
+    sides: Literal["front", "back", "both"] = "both",
+    color: bool = False,
+    reciprocity: bool = False,
+    prune: bool = True,
+    dim: Sequence[float] | None = None,
+    unit: str = "meter",
+    up: str = "y",
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    report: Callable[[GenerationReport], None] | None = None,
+) -> Bsdf:
+    """Ray-trace a device into a BSDF.
+
+    Parameters
+    ----------
+    device
+        A :class:`Device`, paths of Radiance scene files, or a spec such as ``"blinds:angle=30"``.
+    rank, log2_res
+        A tensor tree of this rank (3 isotropic, 4) with up to 2^log2_res cells per axis. A rank-3 tree of a device that
+        is not isotropic is its mean over azimuth.
+    klems, subdivide
+        A Klems matrix instead: its basis, and into how many by how many parts each patch is split (1, 2, 4).
+    samples
+        Paths per incident cell and side.
+    sides
+        Where light comes from: ``"front"`` (the room), ``"back"`` (outside) or both.
+    color
+        Whether to keep colour.
+    reciprocity
+        Whether to average pairs of directions with the same pairs swapped (not for rank 3).
+    prune
+        Whether to merge cells of a tree that differ only by noise.
+    dim
+        ``xmin xmax ymin ymax zmin zmax`` [unit] of the box that stands for the device, instead of its bounding box.
+    unit
+        Unit of length in scene files and in the header of the result.
+    up
+        The axis that points up in the drawing: x, -x, y, -y, z or -z.
+    seed
+        Equal seeds give equal bits, whatever the number of threads.
+    threads
+        Number of threads; all processors by default.
+    progress
+        Called about 10 times a second with paths done and paths to do.
+    report
+        Called once at the end with what was done.
+
+    Raises
+    ------
+    ValueError
+        If the device or an option is not understood.
+    """
+    device = as_device(device, unit)
+    if up.lstrip("+").lower() != "y":
+        device = device.turned_up(up)
+    aperture = None
+    if dim is not None:
+        if len(dim) != 6:
+            raise ValueError(f"dim has {len(dim)} numbers; expected xmin xmax ymin ymax zmin zmax")
+        lengths = [float(x) * _METERS[unit] for x in dim]
+        aperture = (tuple(lengths[0::2]), tuple(lengths[1::2]))
+    generation = _core.generate(
+        device._core,
+        rank=rank,
+        log2_res=log2_res,
+        klems=klems,
+        subdivide=subdivide,
+        samples=samples,
+        sides=sides,
+        color=color,
+        reciprocity=reciprocity,
+        pruned=prune,
+        aperture=aperture,
+        unit=unit,
+        seed=seed,
+        threads=threads,
+    )
+    try:
+        while not generation.wait(0.1):
+            if progress is not None:
+                progress(*generation.paths())
+    except BaseException:
+        # Ctrl-C, or an error in `progress`: let the threads end before it goes on its way.
+        generation.cancel()
+        generation.wait(60.0)
+        raise
+    core, done = generation.result()
+    if progress is not None:
+        progress(*generation.paths())
+    summary = GenerationReport(
+        done["paths"],
+        done["lost"],
+        done["tracing_seconds"],
+        done["reducing_seconds"],
+        tuple(tuple(corner) for corner in done["aperture"]),
+        tuple(done["warnings"]),
+    )
+    if report is not None:
+        report(summary)
+    what = f"klems {klems}" + (f" {subdivide}x{subdivide}" if subdivide != 1 else "") if klems else f"rank {rank} 2^{log2_res}"
+    made = (
+        f"Created by: bsdftree {_core.__version__} generate ({what}, {samples} samples per incident cell, "
+        f"{summary.paths} paths, seed {seed}, sides {sides}{', color' if color else ''}"
+        f"{', reciprocity' if reciprocity else ''}{'' if prune or klems else ', not pruned'})"
+    )
+    return Bsdf(core.with_header(None, None, None, [made]))

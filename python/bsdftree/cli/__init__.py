@@ -1,0 +1,35 @@
+"""The command line: one file per verb."""
+
+from __future__ import annotations
+
+import click
+
+from bsdftree import __version__
+from bsdftree.cli.check import check
+from bsdftree.cli.eval import eval_
+from bsdftree.cli.generate import generate
+from bsdftree.cli.info import info
+from bsdftree.cli.plot import plot
+
+_CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
+
+
+@click.group(context_settings=_CONTEXT)
+@click.version_option(__version__, prog_name="bsdftree")
+def main() -> None:
+    """Variable-resolution BSDFs: make them from device geometry, look into them, check and draw them.
+
+    \b
+    Typical use:
+      bsdftree generate blinds.rad -o blinds.xml      device geometry to BSDF
+      bsdftree info blinds.xml                        what is in it
+      bsdftree check blinds.xml                       does it obey physics
+      bsdftree plot blinds.xml -o blinds.png          see it
+
+    Data goes to standard output or to -o, progress to standard error. Exit code 0: done; 1: the input is bad (or a check
+    is violated); 2: the command line is not understood.
+    """
+
+
+for _verb in (generate, info, check, eval_, plot):
+    main.add_command(_verb)

@@ -1,0 +1,70 @@
+"""What the verbs share: reading a file, tables, errors."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from bsdftree import Bsdf, load
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+stdout = Console(soft_wrap=True)
+stderr = Console(stderr=True)
+
+
+@contextmanager
+def input_errors() -> Iterator[None]:
+    """Turn what is wrong with the input into a message and exit code 1."""
+    try:
+        yield
+    except (ValueError, OSError) as error:
+        click.echo(f"bsdftree: {error}", err=True)
+        sys.exit(1)
+
+
+def with_input_errors(function: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a verb with :func:`input_errors`."""
+
+    @wraps(function)
+    def wrapped(*args: P.args, **kwargs: P.kwargs) -> R:
+        with input_errors():
+            return function(*args, **kwargs)
+
+    return wrapped
+
+
+def read(path: str, repair: bool) -> Bsdf:
+    """Read a BSDF; say on standard error what was repaired."""
+    bsdf = load(path, strict=not repair)
+    for repaired in bsdf.repairs:
+        click.echo(f"{path}: {repaired}", err=True)
+    return bsdf
+
+
+def print_json(data: Any) -> None:
+    """Data for programs."""
+    click.echo(json.dumps(data, indent=2))
+
+
+def table(*columns: str, title: str | None = None) -> Table:
+    """Make a table; columns whose name begins with > are right-aligned."""
+    result = Table(title=title, title_justify="left", title_style="bold", header_style="bold", box=None, pad_edge=False)
+    for column in columns:
+        result.add_column(column.lstrip(">"), justify="right" if column.startswith(">") else "left", no_wrap=True)
+    return result
+
+
+repair_option = click.option(
+    "--repair", is_flag=True, help="Mend what can be mended in a faulty file, and say what was mended."
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs instead of tables.")

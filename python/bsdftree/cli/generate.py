@@ -1,0 +1,216 @@
+"""``bsdftree generate``: device geometry to BSDF."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+import time
+from typing import Any
+
+import click
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+import bsdftree
+from bsdftree import Device, GenerationReport, device_families
+from bsdftree.cli._common import json_option, print_json, stderr, stdout, table, with_input_errors
+from bsdftree.cli.info import summarize
+
+_UNITS = ["meter", "foot", "inch", "centimeter", "millimeter"]
+
+
+def _list_devices(context: click.Context, _parameter: click.Parameter, value: bool) -> None:
+    if not value or context.resilient_parsing:
+        return
+    for family in device_families():
+        stdout.print(f"[bold]{family.name}[/bold]: {family.summary}", highlight=False)
+        stdout.print(family.drawing, highlight=False, markup=False)
+        parameters = table("  parameter", "unit", ">default", "range", "meaning")
+        for p in family.parameters:
+            parameters.add_row(f"  {p.name}", p.unit, p.default, p.range, p.meaning)
+        stdout.print(parameters)
+        stdout.print()
+    context.exit()
+
+
+@click.command()
+@click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE.rad]...")
+@click.option("--device", "spec", metavar="SPEC", help="A parametric device, e.g. blinds:depth=0.05,spacing=0.04,angle=30.")
+@click.option(
+    "--list-devices", is_flag=True, is_eager=True, expose_value=False, callback=_list_devices,
+    help="Describe the parametric devices with drawings, and exit.",
+)
+@click.option("-o", "--output", metavar="OUT.xml", help="Where to write the BSDF; standard output by default.")
+@click.option("--rank", type=click.Choice(["3", "4"]), default="4", show_default=True, help="Tensor tree: 3 is isotropic.")
+@click.option("--log2-res", type=int, default=5, show_default=True, metavar="N", help="Up to 2^N cells per axis of the tree.")
+@click.option("--klems", type=click.Choice(["full", "half", "quarter"]), help="A Klems matrix instead of a tree.")
+@click.option(
+    "--subdivide", type=click.Choice(["1", "2", "4"]), default="1", show_default=True, help="Split each Klems patch N × N."
+)
+@click.option("--samples", type=int, default=2000, show_default=True, help="Paths per incident cell and side.")
+@click.option(
+    "--sides", type=click.Choice(["front", "back", "both"]), default="both", show_default=True,
+    help="Where light comes from: front is the room (+Z).",
+)
+@click.option("--color", is_flag=True, help="Keep colour: Y, u′, v′ trees or X, Y, Z matrices.")
+@click.option("--reciprocity", is_flag=True, help="Average pairs of directions with the same pairs swapped (not rank 3).")
+@click.option("--no-prune", is_flag=True, help="Keep cells of a tree that differ only by noise.")
+@click.option(
+    "--dim", nargs=6, type=float, metavar="X0 X1 Y0 Y1 Z0 Z1",
+    help="Box that stands for the device, in its unit, instead of its bounding box.",
+)
+@click.option("--unit", type=click.Choice(_UNITS), default="meter", show_default=True, help="Unit of length in the files.")
+@click.option(
+    "--up", type=click.Choice(["x", "-x", "y", "-y", "z", "-z"]), default="y", show_default=True,
+    help="Axis that points up in the drawing. With z, the room is towards -Y of the drawing.",
+)
+@click.option("--name", help="Name of the product in the file.")
+@click.option("--manufacturer", help="Its maker.")
+@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="Equal seeds give equal bits.")
+@click.option("--threads", type=click.IntRange(1), help="Number of threads; all processors by default.")
+@json_option
+@click.pass_context
+@with_input_errors
+def generate(
+    context: click.Context,
+    files: tuple[str, ...],
+    spec: str | None,
+    output: str | None,
+    rank: str,
+    log2_res: int,
+    klems: str | None,
+    subdivide: str,
+    samples: int,
+    sides: str,
+    color: bool,
+    reciprocity: bool,
+    no_prune: bool,
+    dim: tuple[float, ...] | None,
+    unit: str,
+    up: str,
+    name: str | None,
+    manufacturer: str | None,
+    seed: int,
+    threads: int | None,
+    as_json: bool,
+) -> None:
+    """Ray-trace a device into a BSDF and write it as WINDOW 6 XML.
+
+    The device is one or more Radiance scene FILEs, or a parametric device (--device; see --list-devices). It lies in z ≤ 0 with the
+    room at +Z and up at +Y, as for Radiance's genBSDF.
+
+    \b
+    Examples:
+      bsdftree generate blinds.rad -o blinds.xml
+      bsdftree generate --rank 3 --log2-res 4 mirror.rad -o mirror.xml
+      bsdftree generate --device blinds:depth=0.05,spacing=0.04,angle=30 --log2-res 6 -o blinds.xml
+      bsdftree generate --klems full --unit inch --dim 0 40 0 40 -2 0 shade.rad -o shade.xml
+    """
+    if bool(files) == bool(spec):
+        raise click.UsageError("give either scene files or --device (bsdftree generate --list-devices describes them)")
+    if output is None and as_json:
+        raise click.UsageError("--json describes what was written; say where to with -o")
+    if klems is None and subdivide != "1":
+        raise click.UsageError("--subdivide splits Klems patches; give --klems too")
+    device = Device.from_spec(spec) if spec else Device.read(*files, unit=unit)
+    reports: list[GenerationReport] = []
+    begin = time.perf_counter()
+    with _Bar() as bar:
+        bsdf = bsdftree.generate(
+            device,
+            rank=int(rank),
+            log2_res=log2_res,
+            klems=klems,  # type: ignore[arg-type]
+            subdivide=int(subdivide),
+            samples=samples,
+            sides=sides,  # type: ignore[arg-type]
+            color=color,
+            reciprocity=reciprocity,
+            prune=not no_prune,
+            dim=dim,
+            unit=unit,
+            up=up,
+            seed=seed,
+            threads=threads,
+            progress=bar.update,
+            report=reports.append,
+        )
+    seconds = time.perf_counter() - begin
+    (report,) = reports
+    for warning in report.warnings:
+        click.echo(f"bsdftree: warning: {warning}", err=True)
+    command = shlex.join(["bsdftree", "generate", *sys.argv[2:]]) if context.info_name == "generate" else ""
+    bsdf = bsdf.with_header(
+        name=name or (spec.partition(":")[0] if spec else os.path.splitext(os.path.basename(files[-1]))[0]),
+        manufacturer=manufacturer,
+        provenance=[*bsdf.provenance, f"Command: {command}"] if command else None,
+    )
+    if output is None:
+        _to_stdout(bsdf)
+        return
+    bsdf.save(output)
+    if as_json:
+        print_json(_summary(bsdf, output, report, seconds))
+    else:
+        _show(bsdf, output, report, seconds)
+
+
+def _to_stdout(bsdf: bsdftree.Bsdf) -> None:
+    click.echo(bsdf.to_xml(), nl=False)
+
+
+def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> dict[str, Any]:
+    return summarize(bsdf, output) | {
+        "paths": report.paths,
+        "lost": report.lost,
+        "tracing_seconds": report.tracing_seconds,
+        "reducing_seconds": report.reducing_seconds,
+        "seconds": seconds,
+        "warnings": list(report.warnings),
+    }
+
+
+def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> None:
+    values = sum(
+        c.n_leaves if isinstance(c, bsdftree.Tree) else c.values.size for c in bsdf.components.values()
+    )
+    rate = report.paths / max(report.tracing_seconds, 1e-9)
+    stderr.print(
+        f"{output}: {os.path.getsize(output):,} bytes, {values:,} values, {report.paths:,} paths "
+        f"at {rate / 1e6:.2f} M/s, {seconds:.2f} s",
+        highlight=False,
+    )
+
+
+class _Bar:
+    """A progress bar with rate and time left, shown if the work takes over a second."""
+
+    def __init__(self) -> None:
+        self._progress: Progress | None = None
+        self._begin = time.perf_counter()
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._progress is not None:
+            self._progress.stop()
+
+    def update(self, done: int, total: int) -> None:
+        elapsed = time.perf_counter() - self._begin
+        if self._progress is None:
+            if elapsed < 1.0 or total == 0 or not stderr.is_terminal:
+                return
+            self._progress = Progress(
+                TextColumn("tracing"),
+                BarColumn(),
+                TextColumn("{task.percentage:>3.0f} %  {task.fields[rate]}"),
+                TimeElapsedColumn(),
+                TextColumn("left"),
+                TimeRemainingColumn(),
+                console=stderr,
+                transient=True,
+            )
+            self._progress.start()
+            self._task = self._progress.add_task("tracing", total=total, rate="")
+        self._progress.update(self._task, completed=done, rate=f"{done / elapsed / 1e6:.2f} M paths/s")

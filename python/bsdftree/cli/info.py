@@ -1,0 +1,140 @@
+"""``bsdftree info``: what is in a file."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import click
+import numpy as np
+
+from bsdftree import Bsdf, Tree
+from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
+
+_THETAS_DEG = (0, 15, 30, 45, 60, 75)
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path())
+@repair_option
+@json_option
+@with_input_errors
+def info(files: tuple[str, ...], repair: bool, as_json: bool) -> None:
+    """Say what is in BSDF files: size, components, resolution, reflectance and transmittance.
+
+    \b
+    Examples:
+      bsdftree info blinds.xml
+      bsdftree info --json *.xml
+    """
+    summaries = []
+    for path in files:
+        summary = summarize(read(path, repair), path)
+        summaries.append(summary)
+        if not as_json:
+            show(summary)
+    if as_json:
+        print_json(summaries if len(summaries) > 1 else summaries[0])
+
+
+def _totals(bsdf: Bsdf, band: str) -> list[dict[str, Any]]:
+    """Reflectance and transmittance from both sides: by polar angle (mean over azimuth), and over the hemisphere."""
+    rows = []
+    # Both are means over a ring of azimuths that avoids the symmetry planes of most devices.
+    phi = np.radians((np.arange(16) + 0.5) * 22.5)
+    # Uniform in projected solid angle: sin² θ uniform.
+    n = 32
+    theta_hemisphere = np.arcsin(np.sqrt((np.arange(n) + 0.5) / n))
+    for side, sign in (("front", 1.0), ("back", -1.0)):
+        for part in ("reflection", "transmission"):
+
+            def total(theta: np.ndarray, sign: float = sign, part: str = part) -> np.ndarray:
+                t = theta[:, None]
+                z = np.broadcast_to(sign * np.cos(t), (len(theta), len(phi)))
+                directions = np.stack([np.sin(t) * np.cos(phi), np.sin(t) * np.sin(phi), z], axis=-1)
+                return bsdf.hemispherical(directions, part, band=band).mean(axis=1)  # type: ignore[arg-type]
+
+            by_angle = total(np.radians(_THETAS_DEG))
+            rows.append(
+                {
+                    "incident_side": side,
+                    "part": part,
+                    "hemispherical": float(total(theta_hemisphere).mean()),
+                    "by_theta_deg": {str(t): float(v) for t, v in zip(_THETAS_DEG, by_angle, strict=True)},
+                }
+            )
+    return rows
+
+
+def summarize(bsdf: Bsdf, path: str | None = None) -> dict[str, Any]:
+    """Collect what ``info`` prints."""
+    bands = []
+    for band in bsdf.bands:
+        lambertian = bsdf.lambertian(band)
+        chroma = bsdf.chroma_of(band)
+        components = []
+        for key, component in bsdf.components_of(band).items():
+            entry: dict[str, Any] = {"component": key, "color": key in chroma, "lambertian": lambertian[key]}
+            if isinstance(component, Tree):
+                entry |= {
+                    "kind": f"tree, rank {component.rank}",
+                    "resolution": f"2^{component.depth} per axis",
+                    "values": component.n_leaves,
+                }
+            else:
+                entry |= {
+                    "kind": "matrix",
+                    "resolution": f"{component.incident_basis} {component.values.shape[0]} × {component.values.shape[1]}",
+                    "values": component.values.size,
+                }
+            entry["bytes"] = component.nbytes
+            components.append(entry)
+        bands.append({"band": band, "components": components, "totals": _totals(bsdf, band)})
+    return {
+        "file": path,
+        "file_bytes": os.path.getsize(path) if path else None,
+        "name": bsdf.name,
+        "manufacturer": bsdf.manufacturer,
+        "width": bsdf.width,
+        "height": bsdf.height,
+        "thickness": bsdf.thickness,
+        "unit": bsdf.unit,
+        "has_geometry": bsdf.geometry is not None,
+        "provenance": bsdf.provenance,
+        "bands": bands,
+    }
+
+
+def show(summary: dict[str, Any]) -> None:
+    """Print a summary for people."""
+    if summary["file"]:
+        stdout.print(f"[bold]{summary['file']}[/bold]  {summary['file_bytes']:,} bytes", highlight=False)
+    size = " × ".join("?" if summary[k] is None else f"{summary[k]:.4g}" for k in ("width", "height", "thickness"))
+    name, maker = (summary[k] or "–" for k in ("name", "manufacturer"))
+    geometry = ", with geometry" if summary["has_geometry"] else ""
+    stdout.print(f"{name} by {maker}, {size} m (W × H × T){geometry}", highlight=False, markup=False)
+    for line in summary["provenance"]:
+        stdout.print(line, style="dim", highlight=False, markup=False)
+    for band in summary["bands"]:
+        components = table(
+            "component", "kind", "resolution", ">values", ">memory", ">Lambertian", "color", title=f"\n{band['band']}"
+        )
+        for c in band["components"]:
+            components.add_row(
+                c["component"],
+                c["kind"],
+                c["resolution"],
+                f"{c['values']:,}",
+                f"{c['bytes'] / 1024:,.1f} KiB",
+                f"{100 * c['lambertian']:.2f} %",
+                "yes" if c["color"] else "no",
+            )
+        stdout.print(components)
+        angles = (f">{t}°" for t in _THETAS_DEG)
+        totals = table("light from", "scattered by", ">hemisphere", *angles, title="\nReflectance and transmittance")
+        for t in band["totals"]:
+            side = "front (room)" if t["incident_side"] == "front" else "back (outside)"
+            values = [t["hemispherical"], *t["by_theta_deg"].values()]
+            totals.add_row(side, t["part"], *(f"{100 * v:.2f} %" for v in values))
+        stdout.print(totals)
+    stdout.print()
