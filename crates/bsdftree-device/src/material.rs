@@ -86,7 +86,8 @@ impl Medium {
 ///
 /// ```
 /// use bsdftree_device::material::transmissivity_from_transmittance;
-/// assert!((transmissivity_from_transmittance(0.88, 1.52) - 0.96).abs() < 1e-3);
+/// // The reference manual gives about 0.96 for common glass.
+/// assert!((transmissivity_from_transmittance(0.88, 1.52) - 0.9584).abs() < 1e-4);
 /// ```
 pub fn transmissivity_from_transmittance(transmittance: f64, index: f64) -> f64 {
     let r = ((index - 1.0) / (index + 1.0)).powi(2);

@@ -9,8 +9,10 @@
 //! modifier are an error, never drawn as something else.
 //!
 //! Modules in the order in which data flows: [`words`] → [`statement`] ([`types`]) → [`scene`] ([`command`], [`xform`],
-//! [`transform`], [`files`], [`definition`], [`problem`], [`material`], [`shape`]); back to text: [`write`].
+//! [`transform`], [`files`], [`definition`], [`problem`], [`material`]) →
+//! [`collect`] ([`shape`]); back to text: [`mod@write`].
 
+mod collect;
 mod command;
 mod definition;
 mod files;
@@ -30,8 +32,9 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
+use collect::Limits;
 use files::{Files, Source};
-use scene::{Limits, Placement, Scene};
+use scene::{Placement, Scene};
 
 use crate::device::Device;
 use crate::error::DeviceError;
@@ -50,7 +53,7 @@ impl Device {
     pub fn read_rad(paths: &[PathBuf], unit: Unit) -> Result<Device, DeviceError> {
         let mut scene = Scene::new(Files::new(Files::raypath_of_environment()), Limits::DEFAULT);
         for path in paths {
-            scene.file(path, None, &Placement::scaled(unit.meters()), None)?;
+            scene.file(path, &Placement::scaled(unit.meters()))?;
         }
         Ok(scene.into_device())
     }

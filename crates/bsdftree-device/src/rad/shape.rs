@@ -55,8 +55,10 @@ pub(super) fn place(primitive: &Primitive, to: &Transform, invert: bool) -> Shap
 }
 
 fn polygon(vertices: Vec<DVec3>) -> Shaped {
+    let finite = vertices.iter().all(|v| v.is_finite());
     let shape = Shape::Polygon(vertices);
-    if shape.is_degenerate() {
+    // Overflow is an error of its own.
+    if finite && shape.is_degenerate() {
         return Shaped::Dropped("it has no area");
     }
     let bent = (!shape.is_planar()).then_some("its vertices are not in one plane");

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::{DVec3, dvec3};
 
-use super::scene::Limits;
+use super::collect::Limits;
 use crate::{Device, DeviceError, Material, Shape, Unit};
 
 /// A directory of its own, removed at the end.
@@ -221,6 +221,21 @@ fn copies_are_bounded() {
         assert!(error.to_string().contains(what), "{error}");
     }
     assert_eq!(dir.parse_within("!xform -a 1000 ball.rad", limits).unwrap().surfaces.len(), 1000);
+}
+
+#[test]
+fn overflow_is_an_error() {
+    let triangle = "white polygon p 0 0 9 0 0 0 1 0 0 0 1 0\n";
+    let dir = Directory::new(
+        "overflow",
+        &[("ball.rad", &format!("{WHITE}{BALL}")), ("p.rad", &format!("{WHITE}{triangle}"))],
+    );
+    for command in
+        ["-i 100000 -s 2 ball.rad", "-s 1e300 -s 1e300 ball.rad", "-s 1e300 -t 1e308 0 0 -t 1e308 0 0 p.rad"]
+    {
+        let error = dir.parse(&format!("\n!xform {command}")).unwrap_err().to_string();
+        assert!(error.contains("an overflow in"), "{error}");
+    }
 }
 
 #[test]
