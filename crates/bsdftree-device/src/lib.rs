@@ -24,7 +24,7 @@
 //! # Ok::<(), bsdftree_device::DeviceError>(())
 //! ```
 //!
-//! Modules in the order in which data flows: [`unit`], [`error`], [`material`], [`shape`], [`device`], `rad` (scene
+//! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`material`], [`shape`], [`device`], `rad` (scene
 //! files), [`parametric`].
 
 pub mod device;

@@ -149,15 +149,24 @@ mod tests {
 
     proptest! {
         #[test]
-        fn star_shaped_polygons_are_covered_once(radii in prop::collection::vec(0.1..10.0f64, 3..60), turn in 0.0..TAU) {
+        fn star_shaped_polygons_are_covered_once(radii in prop::collection::vec(0.1..10.0f64, 5..60), turn in 0.0..TAU) {
             let n = radii.len() as f64;
-            // Steps below half a turn keep the outline simple.
-            prop_assume!(radii.len() > 4);
             let points: Vec<_> = radii.iter().enumerate().map(|(k, r)| {
                 let a = turn + TAU * k as f64 / n;
                 (r * a.cos(), r * a.sin())
             }).collect();
             assert_covers(&lifted(&points));
+        }
+
+        #[test]
+        fn tangled_outlines_give_triangles_of_their_own_sense(
+            points in prop::collection::vec(prop::array::uniform3(-3..3i32), 0..40), scale in prop::sample::select(vec![1e-200, 1.0, 1e200])
+        ) {
+            let vertices: Vec<DVec3> = points.iter().map(|p| DVec3::from(p.map(f64::from)) * scale).collect();
+            let area = area_vector(&vertices);
+            for [a, b, c] in triangles(&vertices) {
+                prop_assert!((b - a).cross(c - a).dot(area) >= 0.0);
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 //! The angle is that of Radiance's `genblinds` with its +X edge turned to the room: 0 is horizontal, and a positive
 //! angle raises the edge on the room side. The foremost points of the slats are at z = 0. Slats that would cut
 //! each other or interlock are refused. Deviation from `genblinds`: curvature is given by the rise of the middle above the chord
-//! (positive: arched upwards, its `-r`), so `depth` is the chord and the number of facets is a parameter.
+//! (positive: arched upwards, its `+r`), so `depth` is the chord and the number of facets is a parameter.
 
 use std::f64::consts::FRAC_PI_2;
 

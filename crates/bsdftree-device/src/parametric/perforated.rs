@@ -3,7 +3,8 @@
 //! The circles are polygons of the same area, so the openness is exact: π d² / (4 p²) on the square grid and
 //! π d² / (2√3 p²) on the triangular one. Geometry: the sheet fills −thickness ≤ z ≤ 0; it is made of half cells, each
 //! with half a hole, so that all polygons are simple and rows can be shifted by half a pitch. Limit: holes stay within
-//! their row of cells, so on the triangular grid d must be below √3/2 p.
+//! their row of cells, so on the triangular grid d must be below √3/2 p. There, cells of
+//! neighbouring rows share lines but not corners; the lines are exactly straight.
 
 use std::f64::consts::{PI, TAU};
 
