@@ -390,6 +390,10 @@ class Bsdf:
         """
         return band_checks(_core.check(self._core, energy, reciprocity))
 
+    def to_xml(self) -> str:
+        """Return the BSDF as WINDOW 6 XML."""
+        return self._core.to_xml()
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the BSDF as WINDOW 6 XML, replacing the file only when it is complete.
 

@@ -65,6 +65,13 @@ impl Bsdf {
         })
     }
 
+    /// The XML text.
+    fn to_xml(&self, py: Python<'_>) -> PyResult<String> {
+        let mut text = Vec::new();
+        py.detach(|| xml::write(&self.bsdf, &mut text)).map_err(|e| PyOSError::new_err(e.to_string()))?;
+        String::from_utf8(text).map_err(|e| PyValueError::new_err(e.to_string()))
+    }
+
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         py.detach(|| xml::write_file(&self.bsdf, &path)).map_err(|e| PyOSError::new_err(e.to_string()))
     }

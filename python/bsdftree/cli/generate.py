@@ -9,11 +9,11 @@ import time
 from typing import Any
 
 import click
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 import bsdftree
 from bsdftree import Device, GenerationReport, device_families
 from bsdftree.cli._common import json_option, print_json, stderr, stdout, table, with_input_errors
+from bsdftree.cli._progress import PathsBar
 from bsdftree.cli.info import summarize
 
 _UNITS = ["meter", "foot", "inch", "centimeter", "millimeter"]
@@ -115,7 +115,7 @@ def generate(
     device = Device.from_spec(spec) if spec else Device.read(*files, unit=unit)
     reports: list[GenerationReport] = []
     begin = time.perf_counter()
-    with _Bar() as bar:
+    with PathsBar() as bar:
         bsdf = bsdftree.generate(
             device,
             rank=int(rank),
@@ -146,17 +146,13 @@ def generate(
         provenance=[*bsdf.provenance, f"Command: {command}"] if command else None,
     )
     if output is None:
-        _to_stdout(bsdf)
+        click.echo(bsdf.to_xml(), nl=False)
         return
     bsdf.save(output)
     if as_json:
         print_json(_summary(bsdf, output, report, seconds))
     else:
         _show(bsdf, output, report, seconds)
-
-
-def _to_stdout(bsdf: bsdftree.Bsdf) -> None:
-    click.echo(bsdf.to_xml(), nl=False)
 
 
 def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> dict[str, Any]:
@@ -180,37 +176,3 @@ def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: f
         f"at {rate / 1e6:.2f} M/s, {seconds:.2f} s",
         highlight=False,
     )
-
-
-class _Bar:
-    """A progress bar with rate and time left, shown if the work takes over a second."""
-
-    def __init__(self) -> None:
-        self._progress: Progress | None = None
-        self._begin = time.perf_counter()
-
-    def __enter__(self) -> _Bar:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._progress is not None:
-            self._progress.stop()
-
-    def update(self, done: int, total: int) -> None:
-        elapsed = time.perf_counter() - self._begin
-        if self._progress is None:
-            if elapsed < 1.0 or total == 0 or not stderr.is_terminal:
-                return
-            self._progress = Progress(
-                TextColumn("tracing"),
-                BarColumn(),
-                TextColumn("{task.percentage:>3.0f} %  {task.fields[rate]}"),
-                TimeElapsedColumn(),
-                TextColumn("left"),
-                TimeRemainingColumn(),
-                console=stderr,
-                transient=True,
-            )
-            self._progress.start()
-            self._task = self._progress.add_task("tracing", total=total, rate="")
-        self._progress.update(self._task, completed=done, rate=f"{done / elapsed / 1e6:.2f} M paths/s")

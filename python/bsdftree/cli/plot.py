@@ -1,0 +1,1 @@
+"""``bsdftree plot``: see the whole BSDF."""
