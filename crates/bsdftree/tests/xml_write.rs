@@ -179,7 +179,7 @@ fn lengths_are_written_as_short_as_they_were() {
         bsdf.header.unit = LengthUnit::Millimeter;
         bsdf.header.thickness = Some(f64::from(k) * 0.001);
         assert!(
-            written(&bsdf).contains(&format!("<Thickness unit=\"millimeter\">{k}</Thickness>")),
+            written(&bsdf).contains(&format!("<Thickness unit=\"Millimeter\">{k}</Thickness>")),
             "{k} mm"
         );
     }

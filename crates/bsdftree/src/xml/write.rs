@@ -11,7 +11,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 use super::write_values::{write_matrix, write_tree};
-use crate::bsdf::{Bsdf, Component, Header, Part, Scattering};
+use crate::bsdf::{Bsdf, Component, Header, LengthUnit, Part, Scattering};
 use crate::klems::Basis;
 
 /// A BSDF that cannot be written.
@@ -154,7 +154,7 @@ fn write_header(header: &Header, out: &mut impl Write) -> io::Result<()> {
     {
         if let Some(length) = length {
             let number = in_unit(length, unit.meters());
-            writeln!(out, "\t\t<{name} unit=\"{}\">{number}</{name}>", unit.file_name())?;
+            writeln!(out, "\t\t<{name} unit=\"{}\">{number}</{name}>", capitalized(unit))?;
         }
     }
     writeln!(out, "\t</Material>")?;
@@ -163,10 +163,16 @@ fn write_header(header: &Header, out: &mut impl Write) -> io::Result<()> {
         Some(geometry) => writeln!(
             out,
             "\t<Geometry format=\"MGF\"><MGFblock unit=\"{}\">{}</MGFblock></Geometry>",
-            geometry.unit.file_name(),
+            capitalized(geometry.unit),
             escaped(&geometry.mgf)
         ),
     }
+}
+
+/// The unit as LBNL's schema spells it; Radiance takes any case.
+fn capitalized(unit: LengthUnit) -> String {
+    let name = unit.file_name();
+    name[..1].to_ascii_uppercase() + &name[1..]
 }
 
 /// The shortest number near `length / unit` that gives back the same length in metres.
