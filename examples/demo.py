@@ -1,7 +1,7 @@
 """Three devices, from geometry to a BSDF that Radiance accepts: XML, a picture and a line of figures for each.
 
-The devices of the talk "A Variable-resolution BSDF Implementation" (G. Ward, A. McNeil): a mirror as an isotropic tree, and a
-sawtooth of alternating diffuse and mirror facets; and a venetian blind.
+The devices of the talk "A Variable-resolution BSDF Implementation" (G. Ward, A. McNeil): a mirror as an
+isotropic tree, and a sawtooth of alternating diffuse and mirror facets; and a venetian blind.
 
     python examples/demo.py OUTPUT_FOLDER
 """
@@ -13,14 +13,13 @@ import sys
 import time
 from pathlib import Path
 
+import bsdftree
 import numpy as np
 import pyradiance
-from rich.console import Console
-from rich.table import Table
-
-import bsdftree
 from bsdftree import plot
 from bsdftree.cli._progress import PathsBar
+from rich.console import Console
+from rich.table import Table
 
 DEVICES = {
     "mirror": ("mirror", {"rank": 3, "log2_res": 4}),
@@ -43,7 +42,19 @@ def main(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     console = Console()
     table = Table(title="From device geometry to BSDF", title_justify="left")
-    for column in ("device", "tree", "R front", "T front", "R back", "T back", "leaves", "bytes", "paths", "paths/s", "s"):
+    for column in (
+        "device",
+        "tree",
+        "R front",
+        "T front",
+        "R back",
+        "T back",
+        "leaves",
+        "bytes",
+        "paths",
+        "paths/s",
+        "s",
+    ):
         table.add_column(column, justify="left" if column in ("device", "tree") else "right")
     for name, (spec, options) in DEVICES.items():
         xml, png = folder / f"{name}.xml", folder / f"{name}.png"
@@ -72,7 +83,9 @@ def main(folder: Path) -> None:
     for name in DEVICES:
         result = subprocess.run([check_bsdf, folder / f"{name}.xml"], capture_output=True, text=True, check=False)
         verdict = "accepts" if result.returncode == 0 and not result.stderr else f"refuses ({result.stderr.strip()})"
-        console.print(f"Radiance's checkBSDF {verdict} {folder / name}.xml; picture in {folder / name}.png", highlight=False)
+        console.print(
+            f"Radiance's checkBSDF {verdict} {folder / name}.xml; picture in {folder / name}.png", highlight=False
+        )
 
 
 if __name__ == "__main__":

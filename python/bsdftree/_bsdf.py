@@ -158,10 +158,10 @@ def _wrapped(core: _core.Tree | _core.Matrix) -> Tree | Matrix:
 class Bsdf:
     """A BSDF: up to four components in one or more spectral bands.
 
-    All queries take arrays of unit vectors of shape (..., 3), broadcast against each other, and are thread-safe. The side of
-    the surface that a direction lies on chooses the component: +z is the front, the room. An absent transmission is the
-    other one reversed; an absent reflection is black. A direction exactly between two cells belongs to the upper one,
-    so normal incidence has one well-defined value.
+    All queries take arrays of unit vectors of shape (..., 3), broadcast against each other, and are thread-
+    safe. The side of the surface that a direction lies on chooses the component: +z is the front, the room. An
+    absent transmission is the other one reversed; an absent reflection is black. A direction exactly between
+    two cells belongs to the upper one, so normal incidence has one well-defined value.
 
     Attributes
     ----------
@@ -202,8 +202,8 @@ class Bsdf:
         Parameters
         ----------
         trees
-            From component (``reflection_front``, ``reflection_back``, ``transmission_front``, ``transmission_back``; as in
-            WINDOW, front is the outside here) to tree.
+            From component (``reflection_front``, ``reflection_back``, ``transmission_front``,
+            ``transmission_back``; as in WINDOW, front is the outside here) to tree.
 
         Examples
         --------
@@ -239,9 +239,7 @@ class Bsdf:
         components = self._core.components(band)
         return {key: (_wrapped(f[1]), _wrapped(f[2])) for key, f in components.items() if len(f) == 3}
 
-    def eval(
-        self, incident: ArrayLike, exitant: ArrayLike, *, color: bool = False, band: str = "Visible"
-    ) -> Array:
+    def eval(self, incident: ArrayLike, exitant: ArrayLike, *, color: bool = False, band: str = "Visible") -> Array:
         """BSDF for pairs of directions.
 
         Parameters
@@ -269,9 +267,7 @@ class Bsdf:
             return self._core.eval_xyz(band, i, o).reshape(*shape, 3)
         return self._core.eval(band, i, o).reshape(shape)
 
-    def sample(
-        self, incident: ArrayLike, u: ArrayLike, *, part: Part = "all", band: str = "Visible"
-    ) -> Sample:
+    def sample(self, incident: ArrayLike, u: ArrayLike, *, part: Part = "all", band: str = "Visible") -> Sample:
         """Directions chosen in proportion to BSDF x |cos θ_exitant|.
 
         Parameters
@@ -314,9 +310,7 @@ class Bsdf:
         exitant, weight, pdf = self._core.sample(band, i, flat[0], flat[1] if two else None, part)
         return Sample(exitant.reshape(*full, 3), weight.reshape(full), pdf.reshape(full))
 
-    def pdf(
-        self, incident: ArrayLike, exitant: ArrayLike, *, part: Part = "all", band: str = "Visible"
-    ) -> Array:
+    def pdf(self, incident: ArrayLike, exitant: ArrayLike, *, part: Part = "all", band: str = "Visible") -> Array:
         """Density with which :meth:`sample` chooses ``exitant`` [1/sr of solid angle], (...)."""
         i, o, shape = as_pairs(incident, exitant)
         return self._core.pdf(band, i, o, part).reshape(shape)

@@ -96,7 +96,7 @@ class Device:
         return cls(_core.Device._from_spec(spec))
 
     def turned_up(self, up: str) -> Device:
-        """Turn a drawing whose ``up`` (x, -x, y, -y, z, -z) is not Y. With Z up, the room is towards -Y of the drawing."""
+        """Turn a drawing whose ``up`` (x, -x, y, -y, z, -z) is not Y; with Z up, the room is towards its -Y."""
         return Device(self._core._turned_up(up))
 
     def to_rad(self) -> str:

@@ -143,12 +143,16 @@ def generate(
         done["lost"],
         done["tracing_seconds"],
         done["reducing_seconds"],
-        tuple(tuple(corner) for corner in done["aperture"]),
+        done["aperture"],
         tuple(done["warnings"]),
     )
     if report is not None:
         report(summary)
-    what = f"klems {klems}" + (f" {subdivide}x{subdivide}" if subdivide != 1 else "") if klems else f"rank {rank} 2^{log2_res}"
+    what = (
+        f"klems {klems}" + (f" {subdivide}x{subdivide}" if subdivide != 1 else "")
+        if klems
+        else f"rank {rank} 2^{log2_res}"
+    )
     made = (
         f"Created by: bsdftree {_core.__version__} generate ({what}, {samples} samples per incident cell, "
         f"{summary.paths} paths, seed {seed}, sides {sides}{', color' if color else ''}"

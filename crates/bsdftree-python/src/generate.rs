@@ -205,7 +205,8 @@ impl Generation {
         dict.set_item("lost", report.lost)?;
         dict.set_item("tracing_seconds", report.tracing.as_secs_f64())?;
         dict.set_item("reducing_seconds", report.reducing.as_secs_f64())?;
-        dict.set_item("aperture", [report.aperture.min, report.aperture.max])?;
+        let [min, max] = [report.aperture.min, report.aperture.max].map(|[x, y, z]| (x, y, z));
+        dict.set_item("aperture", (min, max))?;
         dict.set_item("warnings", report.warnings)?;
         Ok((Bsdf { bsdf, repairs: Vec::new() }, dict))
     }

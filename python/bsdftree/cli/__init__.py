@@ -26,8 +26,8 @@ def main() -> None:
       bsdftree check blinds.xml                       does it obey physics
       bsdftree plot blinds.xml -o blinds.png          see it
 
-    Data goes to standard output or to -o, progress to standard error. Exit code 0: done; 1: the input is bad (or a check
-    is violated); 2: the command line is not understood.
+    Data goes to standard output or to -o, progress to standard error. Exit code 0: done; 1: the input is bad
+    (or a check is violated); 2: the command line is not understood.
     """
 
 

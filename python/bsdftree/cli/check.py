@@ -14,7 +14,11 @@ from bsdftree.cli._common import json_option, print_json, read, repair_option, s
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path())
 @click.option(
-    "--energy", default=1.0, show_default=True, metavar="PERCENT", help="Tolerated excess of scattered light over 100 %."
+    "--energy",
+    default=1.0,
+    show_default=True,
+    metavar="PERCENT",
+    help="Tolerated excess of scattered light over 100 %.",
 )
 @click.option(
     "--reciprocity",

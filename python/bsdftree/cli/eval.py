@@ -20,14 +20,12 @@ from bsdftree.cli._common import json_option, print_json, read, repair_option, w
 @repair_option
 @json_option
 @with_input_errors
-def eval_(
-    file: str, angles: tuple[float, ...], color: bool, pdf: bool, band: str, repair: bool, as_json: bool
-) -> None:
+def eval_(file: str, angles: tuple[float, ...], color: bool, pdf: bool, band: str, repair: bool, as_json: bool) -> None:
     """Print the BSDF [1/sr] of FILE for pairs of directions.
 
-    ANGLES are θ_incident φ_incident θ_exitant φ_exitant in degrees, four to a pair; without them they are read from standard
-    input, one pair a line. θ is measured from +Z (the room side), so that a θ over 90 lies on the back; φ counter-clockwise from
-    +X. Both directions point away from the surface. The BSDF has no cosine.
+    ANGLES are θ_incident φ_incident θ_exitant φ_exitant in degrees, four to a pair; without them they are read
+    from standard input, one pair a line. θ is measured from +Z (the room side), so that a θ over 90 lies on the
+    back; φ counter-clockwise from +X. Both directions point away from the surface. The BSDF has no cosine.
 
     \b
     Examples:
@@ -75,5 +73,7 @@ def _numbers_from_stdin() -> list[float]:
         try:
             numbers += [float(w) for w in words]
         except ValueError:
-            raise ValueError(f"standard input, line {number}: {line.strip()!r}; expected four angles in degrees") from None
+            raise ValueError(
+                f"standard input, line {number}: {line.strip()!r}; expected four angles in degrees"
+            ) from None
     return numbers

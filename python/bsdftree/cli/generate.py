@@ -35,38 +35,67 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 
 @click.command()
 @click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE.rad]...")
-@click.option("--device", "spec", metavar="SPEC", help="A parametric device, e.g. blinds:depth=0.05,spacing=0.04,angle=30.")
 @click.option(
-    "--list-devices", is_flag=True, is_eager=True, expose_value=False, callback=_list_devices,
+    "--device", "spec", metavar="SPEC", help="A parametric device, e.g. blinds:depth=0.05,spacing=0.04,angle=30."
+)
+@click.option(
+    "--list-devices",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_list_devices,
     help="Describe the parametric devices with drawings, and exit.",
 )
 @click.option("-o", "--output", metavar="OUT.xml", help="Where to write the BSDF; standard output by default.")
-@click.option("--rank", type=click.Choice(["3", "4"]), default="4", show_default=True, help="Tensor tree: 3 is isotropic.")
-@click.option("--log2-res", type=int, default=5, show_default=True, metavar="N", help="Up to 2^N cells per axis of the tree.")
+@click.option(
+    "--rank", type=click.Choice(["3", "4"]), default="4", show_default=True, help="Tensor tree: 3 is isotropic."
+)
+@click.option(
+    "--log2-res", type=int, default=5, show_default=True, metavar="N", help="Up to 2^N cells per axis of the tree."
+)
 @click.option("--klems", type=click.Choice(["full", "half", "quarter"]), help="A Klems matrix instead of a tree.")
 @click.option(
-    "--subdivide", type=click.Choice(["1", "2", "4"]), default="1", show_default=True, help="Split each Klems patch N × N."
+    "--subdivide",
+    type=click.Choice(["1", "2", "4"]),
+    default="1",
+    show_default=True,
+    help="Split each Klems patch N × N.",
 )
 @click.option("--samples", type=int, default=2000, show_default=True, help="Paths per incident cell and side.")
 @click.option(
-    "--sides", type=click.Choice(["front", "back", "both"]), default="both", show_default=True,
+    "--sides",
+    type=click.Choice(["front", "back", "both"]),
+    default="both",
+    show_default=True,
     help="Where light comes from: front is the room (+Z).",
 )
 @click.option("--color", is_flag=True, help="Keep colour: Y, u′, v′ trees or X, Y, Z matrices.")
-@click.option("--reciprocity", is_flag=True, help="Average pairs of directions with the same pairs swapped (not rank 3).")
+@click.option(
+    "--reciprocity", is_flag=True, help="Average pairs of directions with the same pairs swapped (not rank 3)."
+)
 @click.option("--no-prune", is_flag=True, help="Keep cells of a tree that differ only by noise.")
 @click.option(
-    "--dim", nargs=6, type=float, metavar="X0 X1 Y0 Y1 Z0 Z1",
+    "--dim",
+    nargs=6,
+    type=float,
+    metavar="X0 X1 Y0 Y1 Z0 Z1",
     help="Box that stands for the device, in its unit, instead of its bounding box.",
 )
-@click.option("--unit", type=click.Choice(_UNITS), default="meter", show_default=True, help="Unit of length in the files.")
 @click.option(
-    "--up", type=click.Choice(["x", "-x", "y", "-y", "z", "-z"]), default="y", show_default=True,
+    "--unit", type=click.Choice(_UNITS), default="meter", show_default=True, help="Unit of length in the files."
+)
+@click.option(
+    "--up",
+    type=click.Choice(["x", "-x", "y", "-y", "z", "-z"]),
+    default="y",
+    show_default=True,
     help="Axis that points up in the drawing. With z, the room is towards -Y of the drawing.",
 )
 @click.option("--name", help="Name of the product in the file.")
 @click.option("--manufacturer", help="Its maker.")
-@click.option("--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="Equal seeds give equal bits.")
+@click.option(
+    "--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="Equal seeds give equal bits."
+)
 @click.option("--threads", type=click.IntRange(1), help="Number of threads; all processors by default.")
 @json_option
 @click.pass_context
@@ -96,8 +125,8 @@ def generate(
 ) -> None:
     """Ray-trace a device into a BSDF and write it as WINDOW 6 XML.
 
-    The device is one or more Radiance scene FILEs, or a parametric device (--device; see --list-devices). It lies in z ≤ 0 with the
-    room at +Z and up at +Y, as for Radiance's genBSDF.
+    The device is one or more Radiance scene FILEs, or a parametric device (--device; see --list-devices). It
+    lies in z ≤ 0 with the room at +Z and up at +Y, as for Radiance's genBSDF.
 
     \b
     Examples:
@@ -167,9 +196,7 @@ def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds
 
 
 def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> None:
-    values = sum(
-        c.n_leaves if isinstance(c, bsdftree.Tree) else c.values.size for c in bsdf.components.values()
-    )
+    values = sum(c.n_leaves if isinstance(c, bsdftree.Tree) else c.values.size for c in bsdf.components.values())
     rate = report.paths / max(report.tracing_seconds, 1e-9)
     stderr.print(
         f"{output}: {os.path.getsize(output):,} bytes, {values:,} values, {report.paths:,} paths "

@@ -9,8 +9,10 @@ import click
 import numpy as np
 
 from bsdftree import Bsdf, Tree
+from bsdftree._bsdf import Array, Part
 from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
 
+_PARTS: tuple[Part, ...] = ("reflection", "transmission")
 _THETAS_DEG = (0, 15, 30, 45, 60, 75)
 
 
@@ -46,13 +48,13 @@ def _totals(bsdf: Bsdf, band: str) -> list[dict[str, Any]]:
     n = 32
     theta_hemisphere = np.arcsin(np.sqrt((np.arange(n) + 0.5) / n))
     for side, sign in (("front", 1.0), ("back", -1.0)):
-        for part in ("reflection", "transmission"):
+        for part in _PARTS:
 
-            def total(theta: np.ndarray, sign: float = sign, part: str = part) -> np.ndarray:
+            def total(theta: Array, sign: float = sign, part: Part = part) -> Array:
                 t = theta[:, None]
                 z = np.broadcast_to(sign * np.cos(t), (len(theta), len(phi)))
                 directions = np.stack([np.sin(t) * np.cos(phi), np.sin(t) * np.sin(phi), z], axis=-1)
-                return bsdf.hemispherical(directions, part, band=band).mean(axis=1)  # type: ignore[arg-type]
+                return np.asarray(bsdf.hemispherical(directions, part, band=band).mean(axis=1))
 
             by_angle = total(np.radians(_THETAS_DEG))
             rows.append(
@@ -84,7 +86,7 @@ def summarize(bsdf: Bsdf, path: str | None = None) -> dict[str, Any]:
             else:
                 entry |= {
                     "kind": "matrix",
-                    "resolution": f"{component.incident_basis} {component.values.shape[0]} × {component.values.shape[1]}",
+                    "resolution": f"{component.incident_basis} " + " × ".join(map(str, component.values.shape)),
                     "values": component.values.size,
                 }
             entry["bytes"] = component.nbytes
