@@ -153,7 +153,7 @@ fn a_grid_at_the_bottom_counts_as_depth() {
 #[test]
 fn endless_repetition_is_refused() {
     let many = tree_file("TensorTree3", GRID).replace("</Layer>", &("<a/>".repeat(1 << 20) + "</Layer>"));
-    refused(many.as_bytes(), &["more than 524288 elements"]);
+    refused(many.as_bytes(), &["more than 131072 elements"]);
     let comments = "<!--a-->".repeat(1 << 16) + &tree_file("TensorTree3", GRID);
     refused(comments.as_bytes(), &["more than 4096 comments"]);
     let attributes: String = (0..100_000).map(|k| format!(" a{k}=\"\"")).collect();
@@ -272,6 +272,17 @@ fn claims_cost_no_memory() {
     refused(with("65536").as_bytes(), &["3 values in the matrix", "expected 4294967296 for Big by Big"]);
     refused(with("8").replace("90</Upper", "80</Upper").as_bytes(), &["`Big`", "ends at 80"]);
     refused(with("8").replace("90</Upper", "nan</Upper").as_bytes(), &["`nan`", "not a finite number"]);
+}
+
+/// As many as the bound on elements lets through: each is looked up among all others.
+#[test]
+fn many_bands_read_in_bounded_time() {
+    let band =
+        |k: usize| block(&format!("<Wavelength>{k}</Wavelength>"), "Reflection Back", SHIRLEY_CHIU, "{1}");
+    let n = (1 << 17) / 6 - 2;
+    let text = file("TensorTree3", &(0..n).map(band).collect::<String>());
+    let (bsdf, repairs) = read(text.as_bytes(), Strictness::Strict).unwrap();
+    assert_eq!((bsdf.bands.len(), repairs.len()), (n, 0));
 }
 
 #[test]

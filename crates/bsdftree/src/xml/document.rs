@@ -16,8 +16,8 @@ use super::repair::Repairs;
 
 /// Deepest element: a BSDF file needs 8.
 const MAX_DEPTH: usize = 32;
-/// Most elements: 10 000 wavelengths with four components each need as many.
-const MAX_ELEMENTS: usize = 1 << 19;
+/// Most elements: 5 000 wavelengths with four components each need as many.
+const MAX_ELEMENTS: usize = 1 << 17;
 /// Longest tag \[byte\].
 const MAX_TAG: usize = 1 << 16;
 /// Most comments before the root element.

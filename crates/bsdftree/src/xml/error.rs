@@ -18,7 +18,6 @@ pub struct XmlError {
     /// Line of that place, counted from 1.
     pub line: u64,
     /// What is wrong.
-    #[source]
     pub fault: Fault,
 }
 
