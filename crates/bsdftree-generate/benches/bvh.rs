@@ -10,16 +10,23 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 
 const N_RAYS: usize = 1 << 16;
 
-/// Half of the rays start inside the device's box in random directions, half outside; as they come, unsorted.
+/// Half of the rays start in the device's box in a random direction, half leave a surface on the side they came from:
+/// the two kinds a path tracer sends; unsorted.
 fn rays(bvh: &Bvh) -> Vec<Ray> {
     let mut random = Random(1);
     let bounds = bvh.bounds();
-    (0..N_RAYS)
-        .map(|_| {
-            let (origin, direction) = (random.point(bounds), random.direction());
-            Ray { origin, direction, from: None }
-        })
-        .collect()
+    let mut rays = Vec::with_capacity(N_RAYS);
+    while rays.len() < N_RAYS {
+        let ray = Ray { origin: random.point(bounds), direction: random.direction(), from: None };
+        rays.push(ray);
+        if let Some(hit) = bvh.closest(&ray) {
+            let side = if hit.front { hit.normal } else { -hit.normal };
+            let direction = (side + random.direction() * 0.999).normalize();
+            rays.push(Ray { origin: hit.position, direction, from: Some(hit.surface) });
+        }
+    }
+    rays.truncate(N_RAYS);
+    rays
 }
 
 fn bench(c: &mut Criterion, name: &str, device: &Device) {

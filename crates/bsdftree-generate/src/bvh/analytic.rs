@@ -11,8 +11,8 @@ use glam::DVec3;
 /// A curved or round surface in the local frame.
 #[derive(Clone, Debug)]
 pub(super) enum Analytic {
-    Sphere { center: DVec3, radius: f64 },
-    Taper { base: DVec3, axis: DVec3, length: f64, radius: f64, slope: f64 },
+    Sphere { center: DVec3, radius: f64, inward: bool },
+    Taper { base: DVec3, axis: DVec3, length: f64, radius: f64, slope: f64, inward: bool },
     Ring { center: DVec3, normal: DVec3, radii_squared: [f64; 2] },
 }
 
@@ -39,14 +39,22 @@ impl Analytic {
     /// Distance of the first point of the surface along the ray, if within range.
     pub fn hit(&self, q: &Query) -> Option<f64> {
         match self {
-            Analytic::Sphere { center, radius } => sphere(q, *center, *radius),
+            Analytic::Sphere { center, radius, .. } => sphere(q, *center, *radius),
             Analytic::Taper { .. } => self.taper(q),
             Analytic::Ring { center, normal, radii_squared } => ring(q, *center, *normal, *radii_squared),
         }
     }
 
-    /// Unit normal at a point of the surface, pointing away from centre or axis (a ring's: its own).
-    pub fn outward(&self, p: DVec3) -> DVec3 {
+    /// Unit normal of the front at a point of the surface.
+    pub fn normal(&self, p: DVec3) -> DVec3 {
+        match self {
+            Analytic::Sphere { inward: true, .. } | Analytic::Taper { inward: true, .. } => -self.outward(p),
+            _ => self.outward(p),
+        }
+    }
+
+    /// Away from centre or axis; a ring's own.
+    fn outward(&self, p: DVec3) -> DVec3 {
         match self {
             Analytic::Sphere { center, .. } => (p - center).normalize_or(DVec3::Z),
             Analytic::Taper { base, axis, slope, .. } => {
@@ -80,7 +88,9 @@ impl Analytic {
     }
 
     fn taper(&self, q: &Query) -> Option<f64> {
-        let Analytic::Taper { base, axis, length, radius, slope } = self else { unreachable!("only tapers") };
+        let Analytic::Taper { base, axis, length, radius, slope, .. } = self else {
+            unreachable!("only tapers")
+        };
         let d_axis = q.direction.dot(*axis);
         let d_across = q.direction - axis * d_axis;
         let a_across = d_across.length_squared();

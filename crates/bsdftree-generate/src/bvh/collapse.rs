@@ -9,7 +9,7 @@ use super::node::{Child, Node, PADDING, WIDTH};
 use super::primitives::Bounds;
 use super::split::Pair;
 
-/// Expected time of one test relative to a node's, measured on the reference scenes.
+/// Expected time of one test relative to a node's. Between 0.5 and 1.5 speeds on the scenes of `benches/bvh.rs` are the same.
 const LEAF_COST: f32 = 0.9;
 const ANALYTIC_COST: f32 = 1.0;
 const NODE_COST: f32 = 1.0;

@@ -70,15 +70,23 @@ impl Facet {
         (inside & (t >= 0.0) & (t <= t_max) & (height[0].abs() >= on_plane)).then_some(t)
     }
 
-    /// `p`, or if that is nearer than `inset` to an edge, the point moved towards the centre of the inscribed circle until
-    /// it is not: a ray that leaves from there is on the right side of the neighbours, although `p` is on the very edge.
+    /// Whether the distances of `p` from all edges are at least `inset`.
+    #[inline(always)]
+    pub fn is_inside(&self, p: DVec3, inset: f64) -> bool {
+        let mut distance = [0.0; 4];
+        for i in 0..4 {
+            distance[i] = (self.x[i] * p.x + self.y[i] * p.y) + (self.z[i] * p.z + self.w[i]);
+        }
+        (distance[1] >= inset) & (distance[2] >= inset) & (distance[3] >= inset)
+    }
+
+    /// The point on the way from `p`, on or near an edge, to the centre of the inscribed circle that is `inset` from the
+    /// edge: a ray that leaves from there is on the right side of the neighbours.
+    #[cold]
     pub fn inset(&self, p: DVec3, inset: f64) -> DVec3 {
         let inward: [DVec3; 3] =
             std::array::from_fn(|i| DVec3::new(self.x[i + 1], self.y[i + 1], self.z[i + 1]));
         let distance: [f64; 3] = std::array::from_fn(|i| inward[i].dot(p) + self.w[i + 1]);
-        if distance.iter().all(|&d| d >= inset) {
-            return p;
-        }
         // Edges are as long as the sine of the angle they face, and all are at the inscribed radius from its centre.
         let pair = |i: usize| [(i + 1) % 3, (i + 2) % 3];
         let length: [f64; 3] = std::array::from_fn(|i| inward[pair(i)[0]].cross(inward[pair(i)[1]]).length());

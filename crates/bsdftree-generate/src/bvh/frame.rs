@@ -6,6 +6,11 @@
 
 use glam::DVec3;
 
+use super::ray::Ray;
+
+/// How far from the device's box a ray from outside is taken up, local units.
+const APPROACH: f64 = 1.0 / 64.0;
+
 /// `local = (device − center) · inv_scale`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
@@ -36,6 +41,23 @@ impl Frame {
     #[inline(always)]
     pub fn local_from_device(&self, p: DVec3) -> DVec3 {
         (p - self.center) * self.inv_scale
+    }
+
+    /// Where a ray from outside comes near the device's box, local, and how far that is \[m\]. `None` if it misses the
+    /// box or starts where f64 does not resolve it.
+    #[inline(never)]
+    pub fn approach(&self, ray: &Ray) -> Option<(DVec3, f64)> {
+        let [low, high] = self.bounds;
+        let origin = self.local_from_device(ray.origin);
+        // No infinity, which would make NaN of a ray in the plane of a face.
+        let inv = ray.direction.map(|d| 1.0 / d.abs().max(1e-30).copysign(d));
+        // Up to a larger box, so that what lies in the faces of the device's own is still ahead.
+        let (a, b) = ((low - APPROACH - origin) * inv, (high + APPROACH - origin) * inv);
+        let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+        let skipped = enter * self.scale;
+        let origin = self.local_from_device(ray.origin + ray.direction * skipped);
+        let near = origin.cmpge(low - 2.0 * APPROACH) & origin.cmple(high + 2.0 * APPROACH);
+        (near.all() && enter <= leave).then_some((origin, skipped))
     }
 
     #[inline(always)]

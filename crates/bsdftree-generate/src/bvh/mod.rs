@@ -21,11 +21,12 @@ mod kernel;
 mod node;
 mod primitives;
 mod ray;
+#[cfg(test)]
+mod soundness;
 mod split;
 mod traverse;
 
 use bsdftree_device::Device;
-use bsdftree_device::shape::Shape;
 use glam::DVec3;
 
 use analytic::Analytic;
@@ -66,13 +67,6 @@ impl Simd {
     }
 }
 
-/// What a hit tells of a surface besides its geometry.
-#[derive(Clone, Copy, Debug)]
-struct Attributes {
-    material: u32,
-    inward: bool,
-}
-
 /// A device ready to be traced.
 #[derive(Clone, Debug)]
 pub struct Bvh {
@@ -81,7 +75,8 @@ pub struct Bvh {
     leaves: Vec<Leaf>,
     facets: Vec<Facet>,
     analytic: Vec<(Analytic, u32)>,
-    surfaces: Vec<Attributes>,
+    /// Material of each surface of the device.
+    materials: Vec<u32>,
     simd: Simd,
     /// An origin that has left a surface and is this near to a plane lies on it, local units.
     on_plane: f64,
@@ -118,11 +113,7 @@ impl Bvh {
             leaves,
             facets,
             analytic: analytic.collect(),
-            surfaces: device
-                .surfaces
-                .iter()
-                .map(|s| Attributes { material: s.material, inward: faces_in(&s.shape) })
-                .collect(),
+            materials: device.surfaces.iter().map(|s| s.material).collect(),
             simd: Simd::detect(),
             on_plane: 4.0 * frame.grain,
             slack: 8.0 * frame.grain,
@@ -185,11 +176,4 @@ fn leaf(items: &[u32], triangles: &[Triangle], facets: &mut Vec<Facet>) -> Leaf 
         facets.push(triangle.facet.clone());
     }
     leaf
-}
-
-fn faces_in(shape: &Shape) -> bool {
-    match shape {
-        Shape::Polygon(_) | Shape::Ring { .. } => false,
-        Shape::Sphere { inward, .. } | Shape::Cylinder { inward, .. } | Shape::Cone { inward, .. } => *inward,
-    }
 }

@@ -125,11 +125,11 @@ impl Primitives {
                 }
                 return;
             }
-            Shape::Sphere { center, radius, .. } => {
-                Analytic::Sphere { center: local(*center), radius: length(*radius) }
+            Shape::Sphere { center, radius, inward } => {
+                Analytic::Sphere { center: local(*center), radius: length(*radius), inward: *inward }
             }
-            Shape::Cylinder { ends, radius, .. } => taper(ends.map(local), [length(*radius); 2]),
-            Shape::Cone { ends, radii, .. } => taper(ends.map(local), radii.map(length)),
+            Shape::Cylinder { ends, radius, inward } => taper(ends.map(local), [length(*radius); 2], *inward),
+            Shape::Cone { ends, radii, inward } => taper(ends.map(local), radii.map(length), *inward),
             Shape::Ring { center, normal, radii } => {
                 let slack = 8.0 * frame.grain;
                 Analytic::Ring {
@@ -157,11 +157,11 @@ fn common_plane(corners: &[DVec3], grain: f64) -> Option<(DVec3, DVec3)> {
     corners.iter().all(|c| normal.dot(c - center).abs() <= 4.0 * grain).then_some((normal, center))
 }
 
-fn taper(ends: [DVec3; 2], radii: [f64; 2]) -> Analytic {
+fn taper(ends: [DVec3; 2], radii: [f64; 2], inward: bool) -> Analytic {
     let along = ends[1] - ends[0];
     let length = along.length();
     let slope = (radii[1] - radii[0]) / length;
-    Analytic::Taper { base: ends[0], axis: along / length, length, radius: radii[0], slope }
+    Analytic::Taper { base: ends[0], axis: along / length, length, radius: radii[0], slope, inward }
 }
 
 type Fault = (&'static str, String, &'static str);

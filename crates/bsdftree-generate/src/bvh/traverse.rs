@@ -9,15 +9,18 @@ use glam::DVec3;
 
 use super::analytic::Query;
 use super::kernel::{FilterRay, Kernel};
-use super::node::{Target, WIDTH};
+use super::node::{Child, Target, WIDTH};
 use super::ray::{Hit, Ray};
 use super::{Bvh, NO_SURFACE};
 
 /// Room for 7 waiting siblings on each of 73 levels; `split.rs` keeps trees below 36 + 27.
 const STACK: usize = 512;
 
-/// How far from the device's box a ray from outside is taken up, local units.
-const APPROACH: f64 = 1.0 / 64.0;
+/// Most leaves have no more facets than this.
+const N_PREFETCHED: usize = 6;
+
+/// No hit is this far, local units. Not infinite: times a determinant of 0 it must not be NaN in the filters.
+const FARTHEST: f64 = 1e30;
 
 /// What is met so far, in the local frame.
 struct Nearest {
@@ -29,41 +32,26 @@ struct Nearest {
 
 /// A ray brought into the local frame and up to the device's box.
 pub(super) struct LocalRay {
-    origin: DVec3,
-    direction: DVec3,
+    pub origin: DVec3,
+    pub direction: DVec3,
     /// Distance \[m\] skipped in front of the box.
-    skipped: f64,
+    pub skipped: f64,
     /// Surface just left, or [`NO_SURFACE`].
-    from: u32,
+    pub from: u32,
 }
 
 impl LocalRay {
     /// `None` if the ray misses the device's box or is not finite.
     #[inline(always)]
     pub fn new(bvh: &Bvh, ray: &Ray) -> Option<LocalRay> {
-        let frame = &bvh.frame;
-        let mut origin = frame.local_from_device(ray.origin);
-        let [low, high] = frame.bounds;
-        let mut skipped = 0.0;
-        if !(origin.cmpge(low) & origin.cmple(high)).all() {
-            // No infinity, which would make NaN of a ray in the plane of a face.
-            let inv = ray.direction.map(|d| 1.0 / d.abs().max(1e-30).copysign(d));
-            // Up to a larger box, so that what lies in the faces of the device's own is still ahead.
-            let (a, b) = ((low - APPROACH - origin) * inv, (high + APPROACH - origin) * inv);
-            let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
-            skipped = enter * frame.scale;
-            origin = frame.local_from_device(ray.origin + ray.direction * skipped);
-            let near = origin.cmpge(low - 2.0 * APPROACH) & origin.cmple(high + 2.0 * APPROACH);
-            if !(near.all() && enter <= leave) {
-                return None;
-            }
+        let origin = bvh.frame.local_from_device(ray.origin);
+        let [low, high] = bvh.frame.bounds;
+        let from = ray.from.unwrap_or(NO_SURFACE);
+        if (origin.cmpge(low) & origin.cmple(high)).all() {
+            return Some(LocalRay { origin, direction: ray.direction, skipped: 0.0, from });
         }
-        ray.direction.is_finite().then_some(LocalRay {
-            origin,
-            direction: ray.direction,
-            skipped,
-            from: ray.from.unwrap_or(NO_SURFACE),
-        })
+        let (origin, skipped) = bvh.frame.approach(ray)?;
+        Some(LocalRay { origin, direction: ray.direction, skipped, from })
     }
 }
 
@@ -74,7 +62,7 @@ impl LocalRay {
 #[inline(always)]
 pub(super) unsafe fn closest<K: Kernel>(bvh: &Bvh, ray: &Ray) -> Option<Hit> {
     let local = LocalRay::new(bvh, ray)?;
-    let mut best = Nearest { t: f64::INFINITY, surface: NO_SURFACE, primitive: 0 };
+    let mut best = Nearest { t: FARTHEST, surface: NO_SURFACE, primitive: 0 };
     // SAFETY: passed on to the caller.
     unsafe { walk::<K>(bvh, &local, &mut best) };
     (best.surface != NO_SURFACE).then(|| bvh.describe(ray, &local, &best))
@@ -94,7 +82,7 @@ unsafe fn walk<K: Kernel>(bvh: &Bvh, ray: &LocalRay, best: &mut Nearest) {
         let mut entry = 0u64;
         let mut near = [0.0f32; WIDTH];
         loop {
-            match super::node::Child(entry as u32).target() {
+            match Child(entry as u32).target() {
                 Target::Node(index) => {
                     let node = bvh.nodes.get_unchecked(index);
                     let mut hits = kernel.boxes(node, best.t as f32, &mut near);
@@ -103,6 +91,7 @@ unsafe fn walk<K: Kernel>(bvh: &Bvh, ray: &LocalRay, best: &mut Nearest) {
                         while hits != 0 {
                             let lane = hits.trailing_zeros() as usize & (WIDTH - 1);
                             hits &= hits - 1;
+                            bvh.prefetch(node.children[lane]);
                             let key = (near[lane].to_bits() as u64) << 32 | node.children[lane].0 as u64;
                             // Insert so that the nearest lies on top.
                             let mut k = height;
@@ -120,6 +109,7 @@ unsafe fn walk<K: Kernel>(bvh: &Bvh, ray: &LocalRay, best: &mut Nearest) {
                 }
                 Target::Leaf(index) => {
                     let leaf = bvh.leaves.get_unchecked(index);
+                    prefetch(&bvh.facets, leaf.first as usize, N_PREFETCHED);
                     let mut hits = kernel.triangles(leaf, best.t as f32, ray.from);
                     while hits != 0 {
                         let lane = hits.trailing_zeros() as usize & (WIDTH - 1);
@@ -147,7 +137,30 @@ unsafe fn walk<K: Kernel>(bvh: &Bvh, ray: &LocalRay, best: &mut Nearest) {
     }
 }
 
+/// Ask for items that are soon needed; waiting for memory is most of the time in a large mesh.
+#[inline(always)]
+fn prefetch<T>(items: &[T], first: usize, count: usize) {
+    #[cfg(target_arch = "x86_64")]
+    for line in 0..(count * size_of::<T>()).div_ceil(64) {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let place = items.as_ptr().wrapping_add(first).cast::<i8>().wrapping_add(64 * line);
+        // SAFETY: a prefetch may name any address; SSE is part of x86-64.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(place) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (items, first, count);
+}
+
 impl Bvh {
+    #[inline(always)]
+    fn prefetch(&self, child: Child) {
+        match child.target() {
+            Target::Node(index) => prefetch(&self.nodes, index, 1),
+            Target::Leaf(index) => prefetch(&self.leaves, index, 1),
+            Target::Analytic(first, _) => prefetch(&self.analytic, first, 1),
+        }
+    }
+
     #[inline(always)]
     fn decide_facet(&self, ray: &LocalRay, index: usize, surface: u32, best: &mut Nearest) {
         let on_plane = if ray.from == NO_SURFACE { 0.0 } else { self.on_plane };
@@ -173,30 +186,24 @@ impl Bvh {
         }
     }
 
+    #[inline(always)]
     fn describe(&self, ray: &Ray, local: &LocalRay, best: &Nearest) -> Hit {
         let t = best.t * self.frame.scale + local.skipped;
         let p = local.origin + local.direction * best.t;
-        let attributes = &self.surfaces[best.surface as usize];
-        let (inset, normal) = if best.primitive as i32 >= 0 {
-            let facet = &self.facets[best.primitive as usize];
-            (facet.inset(p, self.inset), facet.normal())
-        } else {
-            let shape = &self.analytic[!best.primitive as usize].0;
-            let outward = shape.outward(p);
-            (shape.inset(p, self.inset), if attributes.inward { -outward } else { outward })
-        };
+        let material = self.materials[best.surface as usize];
         let mut position = ray.origin + ray.direction * t;
-        if inset != p {
-            position += (inset - p) * self.frame.scale;
-        }
-        Hit {
-            t,
-            position,
-            normal,
-            front: normal.dot(ray.direction) < 0.0,
-            surface: best.surface,
-            material: attributes.material,
-        }
+        let normal = if best.primitive as i32 >= 0 {
+            let facet = &self.facets[best.primitive as usize];
+            if !facet.is_inside(p, self.inset) {
+                position += (facet.inset(p, self.inset) - p) * self.frame.scale;
+            }
+            facet.normal()
+        } else {
+            let (shape, _) = &self.analytic[!best.primitive as usize];
+            position += (shape.inset(p, self.inset) - p) * self.frame.scale;
+            shape.normal(p)
+        };
+        Hit { t, position, normal, front: normal.dot(ray.direction) < 0.0, surface: best.surface, material }
     }
 }
 
