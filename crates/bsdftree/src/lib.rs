@@ -9,6 +9,7 @@ pub mod klems;
 pub mod color;
 pub mod bsdf;
 pub mod query;
+pub mod check;
 pub mod xml;
 
 pub use bsdf::{Band, Bsdf, Component, Geometry, Header, LengthUnit, Part, Scattering};

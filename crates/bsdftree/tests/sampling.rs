@@ -143,14 +143,8 @@ fn matrix_samples_fill_patches_by_their_share() {
 fn density_integrates_to_one_over_both_hemispheres() {
     let mut random = Random(4);
     let mut band = Band::new("Visible");
-    band.insert(
-        Part::ReflectionBack,
-        Component::grey(random_tree(Rank::Four, 4, &mut random).into()),
-    );
-    band.insert(
-        Part::TransmissionBack,
-        Component::grey(random_tree(Rank::Four, 4, &mut random).into()),
-    );
+    band.insert(Part::ReflectionBack, Component::grey(random_tree(Rank::Four, 4, &mut random).into()));
+    band.insert(Part::TransmissionBack, Component::grey(random_tree(Rank::Four, 4, &mut random).into()));
     for _ in 0..20 {
         let incident = random.direction();
         let mut integral = 0.0;
