@@ -139,18 +139,23 @@ impl Kernel for Portable {
         let y: [Lanes; 3] = std::array::from_fn(|c| lanes(|i| (leaf.corners[c][ky][i] - oy) - sy * z[c][i]));
         let edge = |a: usize, b: usize| lanes(|i| x[a][i] * y[b][i] - y[a][i] * x[b][i]);
         let (u, v, w) = (edge(1, 2), edge(2, 0), edge(0, 1));
-        let det = lanes(|i| u[i] + v[i] + w[i]);
-        let depth = lanes(|i| (u[i] * z[0][i] + v[i] * z[1][i] + w[i] * z[2][i]) * sz);
-        bits(|i| {
-            let slack = leaf.slack[i];
+        let inside = bits(|i| {
             let lowest = least(least(u[i], v[i]), w[i]);
             let highest = most(most(u[i], v[i]), w[i]);
-            let t_det = if det[i] < 0.0 { -depth[i] } else { depth[i] };
-            let (det, slack_t) = (det[i].abs(), DEPTH_SLACK * slack);
-            ((lowest >= -slack) | (highest <= slack))
-                & (t_det <= det * (t_max + T_SLACK) + slack_t)
-                & (t_det >= -(det * T_SLACK + slack_t))
-                & (leaf.surfaces[i] != from)
-        })
+            (lowest >= -leaf.slack[i]) | (highest <= leaf.slack[i])
+        });
+        if inside == 0 {
+            return 0;
+        }
+        let det = lanes(|i| u[i] + v[i] + w[i]);
+        let depth = lanes(|i| (u[i] * z[0][i] + v[i] * z[1][i] + w[i] * z[2][i]) * sz);
+        inside
+            & bits(|i| {
+                let t_det = if det[i] < 0.0 { -depth[i] } else { depth[i] };
+                let (det, slack) = (det[i].abs(), DEPTH_SLACK * leaf.slack[i]);
+                (t_det <= det * (t_max + T_SLACK) + slack)
+                    & (t_det >= -(det * T_SLACK + slack))
+                    & (leaf.surfaces[i] != from)
+            })
     }
 }

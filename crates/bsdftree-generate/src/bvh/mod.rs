@@ -68,6 +68,26 @@ impl Simd {
 }
 
 /// A device ready to be traced.
+///
+/// ```
+/// use bsdftree_device::{Device, NamedMaterial, Shape, Surface, material::Material};
+/// use bsdftree_generate::bvh::{Bvh, Ray};
+/// use glam::DVec3;
+///
+/// let ball = Shape::Sphere { center: DVec3::ZERO, radius: 1.0, inward: false };
+/// let device = Device {
+///     surfaces: vec![Surface { name: "ball".into(), shape: ball, material: 0 }],
+///     materials: vec![NamedMaterial { name: "black".into(), material: Material::Black }],
+///     warnings: vec![],
+/// };
+/// let bvh = Bvh::build(&device)?;
+/// let from_above = Ray { origin: DVec3::Z * 3.0, direction: -DVec3::Z, from: None };
+/// let hit = bvh.closest(&from_above).expect("above the ball");
+/// assert!((hit.t - 2.0).abs() < 1e-15 && hit.front && hit.normal == DVec3::Z);
+/// let through = Ray { origin: hit.position, direction: -DVec3::Z, from: Some(hit.surface) };
+/// assert!(bvh.closest(&through).is_some_and(|far| !far.front));
+/// # Ok::<(), bsdftree_generate::bvh::BvhError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Bvh {
     frame: Frame,
