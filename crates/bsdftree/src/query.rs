@@ -57,7 +57,8 @@ impl Band {
     pub fn hemispherical(&self, incident: Direction, lobes: Lobes) -> f64 {
         self.exits(incident, lobes)
             .map(|(_, scattering, reversed)| scattering.hemispherical(incident, reversed))
-            .sum()
+            // Not `sum`, which is -0 of nothing.
+            .fold(0.0, |total, part| total + part)
     }
 
     /// A direction chosen in proportion to BSDF × |cos θ|, from one number in \[0, 1), or two. Stratified numbers give
