@@ -1,0 +1,152 @@
+"""One picture for a first look: the whole BSDF, slices and totals."""
+
+from __future__ import annotations
+
+import textwrap
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import FuncFormatter
+
+from bsdftree import Bsdf, Tree
+from bsdftree.plot._parts import OUTSIDE, ROOM, band_of, is_black, parts_of, scatters, totals_by_azimuth
+from bsdftree.plot._polar import FROM_OUTSIDE, FROM_ROOM, draw_polar
+from bsdftree.plot._style import INK, Picture, Scale, figure
+from bsdftree.plot._whole import draw_panel, whole_panel
+
+# All in pixels.
+_WIDTH = 1600
+_MARGIN = 44
+# Room for the colour bar at the right.
+_BAR = 110
+_GAP = 56
+_HEADER, _LEGEND, _BELOW = 116, 80, 460
+
+
+def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -> Figure:
+    """Draw the whole BSDF of every component, slices in the vertical plane and hemispherical totals.
+
+    Made for 1600 pixels of width. Components that are black are named, not drawn.
+
+    Parameters
+    ----------
+    bsdf
+        Trees or Klems matrices.
+    title
+        Heading; the name of the product by default.
+    band
+        Spectral band; ``Visible`` or the only one by default.
+
+    Raises
+    ------
+    ValueError
+        If there is no such band.
+
+    See Also
+    --------
+    bsdftree.plot.whole, bsdftree.plot.polar, bsdftree.plot.hemisphere
+    """
+    band = band_of(bsdf, band)
+    components = bsdf.components_of(band)
+    parts = parts_of(bsdf, None, band)
+    black = [p for p in parts if is_black(components[p])]
+    shown = [p for p in parts if p not in black] or parts[:1]
+    sides = [side for side in (ROOM, OUTSIDE) if scatters(bsdf, side, band)] or [ROOM]
+
+    n = len(shown)
+    # A single mosaic would fill the picture: it is given the width of one of two, and the rest stands beside it.
+    edge = (_WIDTH - 2 * _MARGIN - _BAR - (max(n, 2) - 1) * _GAP) / max(n, 2)
+    beside = n == 1
+    height = _HEADER + edge + _LEGEND + (20 if beside else _BELOW)
+    picture = figure(_WIDTH, height)
+    _heading(picture, bsdf, band, title, black, height)
+
+    panels = [
+        whole_panel(bsdf, p, band, log2_res=5 if edge >= 600 else 4, max_px=1 << (int(edge).bit_length() - 1))
+        for p in shown
+    ]
+    scale = Scale.of([p.pixels for p in panels])
+    bottom = height - _HEADER - edge
+    for k, panel in enumerate(panels):
+        box = (_MARGIN + k * (edge + _GAP), bottom, edge, edge)
+        draw_panel(picture.add_axes(_fractions(box, height)), panel, scale, 11.5 if n < 4 else 10)
+    bar_x = _MARGIN + n * (edge + _GAP) - _GAP + 44
+    scale.bar(picture, _fractions((bar_x, bottom, 18, edge - 34), height))
+    characters = int((edge if beside else _WIDTH - 2 * _MARGIN) / 7.3)
+    legends = [textwrap.fill(line, characters) for panel in panels for line in panel.legend.split("\n")]
+    text = "\n".join(dict.fromkeys(legends))
+    picture.text(_MARGIN / _WIDTH, (bottom - 34) / height, text, fontsize=9.5, va="top", color=INK)
+
+    if beside:
+        x = bar_x + _BAR
+        width = _WIDTH - _MARGIN - x
+        polar_edge = min(width / len(sides) - 70, 340)
+        corners = [(x + 20 + k * width / len(sides), height - _HEADER - polar_edge - 20) for k in range(len(sides))]
+        totals_box = (x + 20, bottom, width - 20, edge - polar_edge - 150)
+    else:
+        third = (_WIDTH - 2 * _MARGIN) / (len(sides) + 1)
+        polar_edge = _BELOW - 120
+        corners = [(_MARGIN + k * third + 90, 46) for k in range(len(sides))]
+        left = _MARGIN + len(sides) * third + 40
+        totals_box = (left, 60, _WIDTH - _MARGIN - left, _BELOW - 140)
+    for side, (x, y) in zip(sides, corners, strict=True):
+        box = (x, y, polar_edge, polar_edge)
+        axes = picture.add_axes(_fractions(box, height), projection="polar")
+        assert isinstance(axes, PolarAxes)
+        draw_polar(axes, bsdf, FROM_ROOM if side == ROOM else FROM_OUTSIDE, [90.0] * 3, band)
+    _draw_totals(picture.add_axes(_fractions(totals_box, height)), bsdf, sides, band)
+    return picture
+
+
+def _fractions(box: tuple[float, float, float, float], height: float) -> tuple[float, float, float, float]:
+    """A box in pixels from the lower left as parts of the figure."""
+    x, y, w, h = box
+    return x / _WIDTH, y / height, w / _WIDTH, h / height
+
+
+def _heading(picture: Picture, bsdf: Bsdf, band: str, title: str | None, black: list[str], height: float) -> None:
+    text = (bsdf.name or "BSDF") if title is None else title
+    picture.text(_MARGIN / _WIDTH, 1 - 28 / height, text, fontsize=16, va="center", color=INK)
+    components = bsdf.components_of(band)
+    kinds = dict.fromkeys(
+        f"rank {c.rank}, 2^{c.depth} cells per axis"
+        if isinstance(c, Tree)
+        else f"Klems matrix {c.values.shape[0]} × {c.values.shape[1]}"
+        for c in components.values()
+    )
+    notes = [band, "; ".join(kinds), "percentages: of evenly diffuse light"]
+    if black:
+        notes.append("black: " + ", ".join(p.replace("_", " ") for p in black))
+    picture.text(_MARGIN / _WIDTH, 1 - 56 / height, "  ·  ".join(notes), fontsize=10, va="center", color=INK)
+
+
+def _draw_totals(axes: Axes, bsdf: Bsdf, sides: list[float], band: str) -> None:
+    """Hemispherical totals against incident polar angle: mean over azimuth as line, range as band."""
+    theta = np.arange(0.25, 90.0, 0.5)
+    highest = 0.0
+    for side in sides:
+        for kind in ("reflection", "transmission"):
+            totals = 100.0 * totals_by_azimuth(bsdf, side, kind, theta, band)
+            highest = max(highest, float(totals.max()))
+            name = "room" if side == ROOM else "outside"
+            color = "#b5462f" if side == OUTSIDE else "#2f6db5"
+            line = "-" if kind == "reflection" else "--"
+            axes.fill_between(theta, totals.min(axis=1), totals.max(axis=1), color=color, alpha=0.12, linewidth=0)
+            axes.plot(theta, totals.mean(axis=1), line, color=color, linewidth=1.5, label=f"{kind}, light from {name}")
+    axes.set_xlim(0, 90)
+    axes.set_xticks(range(0, 91, 15))
+    axes.set_ylim(0, 102 if 50.0 < highest <= 101.0 else 1.08 * highest or 1.0)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0f}°"))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g} %"))
+    axes.set_xlabel("incident polar angle", fontsize=9.5, color=INK)
+    axes.set_title("Hemispherical totals: mean and range over azimuth", fontsize=10.5, color=INK, loc="left", pad=26)
+    axes.grid(color="#e4e4e4", linewidth=0.7)
+    axes.tick_params(labelsize=9, colors=INK)
+    for spine in axes.spines.values():
+        spine.set_color("#bbbbbb")
+    axes.legend(
+        fontsize=9, frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(-0.01, 0.985), handlelength=1.8,
+        columnspacing=1.0, borderpad=0.2,
+    )  # fmt: skip

@@ -1,0 +1,89 @@
+"""Components and bands by name: which sides they join, which of them a file has, how much light they scatter."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bsdftree import Bsdf, Matrix, Tree, direction_from_polar
+
+Array = NDArray[np.float64]
+ROOM, OUTSIDE = 1.0, -1.0
+
+
+class Sides(NamedTuple):
+    """Sign of z of the incident and of the exitant direction of a component."""
+
+    incident: float
+    exitant: float
+
+    @property
+    def kind(self) -> str:
+        """``"reflection"`` or ``"transmission"``."""
+        return "reflection" if self.incident == self.exitant else "transmission"
+
+    def __str__(self) -> str:
+        name = {ROOM: "room", OUTSIDE: "outside"}
+        return f"{name[self.incident]} → {name[self.exitant]}"
+
+
+# WINDOW's names, in which the front is outside.
+SIDES = {
+    "reflection_back": Sides(ROOM, ROOM),
+    "transmission_back": Sides(ROOM, OUTSIDE),
+    "reflection_front": Sides(OUTSIDE, OUTSIDE),
+    "transmission_front": Sides(OUTSIDE, ROOM),
+}
+
+
+def band_of(bsdf: Bsdf, band: str | None) -> str:
+    """The band asked for, or ``Visible``, or the only one there is."""
+    if band is None:
+        return "Visible" if "Visible" in bsdf.bands or not bsdf.bands else bsdf.bands[0]
+    if band not in bsdf.bands:
+        raise ValueError(f"no band {band!r}; the BSDF has {', '.join(bsdf.bands)}")
+    return band
+
+
+def parts_of(bsdf: Bsdf, part: str | None, band: str) -> list[str]:
+    """The part asked for, or all parts of a band, light from the room first."""
+    there = [key for key in SIDES if key in bsdf.components_of(band)]
+    if part is None:
+        return there
+    if part not in there:
+        raise ValueError(f"no component {part!r} in band {band}; the BSDF has {', '.join(there)}")
+    return [part]
+
+
+def is_black(component: Tree | Matrix) -> bool:
+    """Whether a component scatters nothing at all."""
+    values = component.leaves()[2] if isinstance(component, Tree) else component.values
+    return not np.any(values > 0.0)
+
+
+def scatters(bsdf: Bsdf, side: float, band: str) -> bool:
+    """Whether anything becomes of light from a side; an absent transmission is the other one reversed."""
+    components = bsdf.components_of(band)
+    keys = [key for key, sides in SIDES.items() if sides.incident == side or sides.kind == "transmission"]
+    return any(key in components and not is_black(components[key]) for key in keys)
+
+
+def totals_by_azimuth(bsdf: Bsdf, side: float, kind: str, theta_deg: ArrayLike, band: str) -> Array:
+    """Directional-hemispherical totals, (angles, 16 azimuths).
+
+    The azimuths are the same as those of ``bsdftree info``: they avoid the symmetry planes of most devices.
+    """
+    theta = np.asarray(theta_deg, float)
+    incident = direction_from_polar(theta[:, None], (np.arange(16) + 0.5) * 22.5)
+    incident[..., 2] *= side
+    return bsdf.hemispherical(incident, kind, band=band)  # type: ignore[arg-type]
+
+
+def diffuse_total(bsdf: Bsdf, part: str, band: str) -> float:
+    """Fraction of evenly diffuse light that a component scatters, in [0, 1] if lawful."""
+    n = 32
+    theta_deg = np.degrees(np.arcsin(np.sqrt((np.arange(n) + 0.5) / n)))  # even in projected solid angle
+    sides = SIDES[part]
+    return float(totals_by_azimuth(bsdf, sides.incident, sides.kind, theta_deg, band).mean())

@@ -1,0 +1,154 @@
+"""Goniometric diagrams: polar slices in the plane of incidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.projections.polar import PolarAxes
+from numpy.typing import ArrayLike, NDArray
+
+from bsdftree import Bsdf
+from bsdftree.plot._parts import ROOM, band_of, scatters
+from bsdftree.plot._slice import step_curve
+from bsdftree.plot._style import FAINT, INK, figure, whole_decades
+
+Quantity = Literal["bsdf", "intensity"]
+Radius = Literal["log", "linear"]
+FROM_ROOM = (0.0, 30.0, 60.0)
+FROM_OUTSIDE = (180.0, 150.0, 120.0)
+_DECADES = 4
+_UP_DEG = 90.0
+
+
+def polar(
+    bsdf: Bsdf,
+    *,
+    theta_deg: ArrayLike | None = None,
+    phi_deg: ArrayLike = _UP_DEG,
+    band: str | None = None,
+    quantity: Quantity = "bsdf",
+    radius: Radius = "log",
+    title: str | None = None,
+) -> Figure:
+    """Draw slices in the plane of incidence for several incident directions.
+
+    The surface lies across the middle, the room above, outside below. Light comes from the left, so that mirrored light
+    leaves to the right. Curves are steps: the BSDF is constant over each cell, and the edges of cells are found exactly.
+    Where the plane itself runs along an edge between cells, the upper cell counts.
+
+    Parameters
+    ----------
+    bsdf
+        Trees or Klems matrices.
+    theta_deg
+        Incident polar angles from +Z [degree]; over 90 is light from outside. 0, 30 and 60 by default, or 180, 150 and 120
+        if nothing becomes of light from the room.
+    phi_deg
+        Azimuth from which the light comes [degree], counter-clockwise from +X; one, or one for each angle. 90 is from above.
+    band
+        Spectral band; ``Visible`` or the only one by default.
+    quantity
+        ``"bsdf"`` [1/sr], or ``"intensity"``: BSDF × cos θ, so that areas compare with flux.
+    radius
+        ``"log"``: whole decades, four at most, smaller values at the centre; or ``"linear"``.
+    title
+        Heading; the name of the product by default.
+
+    Raises
+    ------
+    ValueError
+        If there is no such band, angles do not pair up, or an option is not one of those above.
+    """
+    band = band_of(bsdf, band)
+    if theta_deg is None:
+        theta_deg = FROM_ROOM if scatters(bsdf, ROOM, band) else FROM_OUTSIDE
+    theta, phi = (np.ravel(a) for a in np.broadcast_arrays(np.asarray(theta_deg, float), np.asarray(phi_deg, float)))
+    if not (np.isfinite(phi).all() and ((theta >= 0.0) & (theta <= 180.0)).all()):
+        raise ValueError(f"incident angles {theta.tolist()}, {phi.tolist()}; expected θ from 0 to 180 degrees")
+    picture = figure(1000, 960)
+    axes = picture.add_axes((0.09, 0.06, 0.82, 0.82), projection="polar")
+    assert isinstance(axes, PolarAxes)
+    draw_polar(axes, bsdf, theta.tolist(), phi.tolist(), band, quantity, radius)
+    heading = bsdf.name if title is None else title
+    text = f"{heading}  ({band})" if len(bsdf.bands) > 1 else heading
+    picture.text(0.03, 0.97, text, fontsize=14, va="center", color=INK)
+    return picture
+
+
+def draw_polar(
+    axes: PolarAxes,
+    bsdf: Bsdf,
+    theta_deg: Sequence[float],
+    phi_deg: Sequence[float],
+    band: str,
+    quantity: Quantity = "bsdf",
+    radius: Radius = "log",
+) -> None:
+    """Draw the diagram into polar axes."""
+    if quantity not in ("bsdf", "intensity") or radius not in ("log", "linear"):
+        raise ValueError(f"{quantity!r}, {radius!r}; expected 'bsdf' or 'intensity', and 'log' or 'linear'")
+    curves = [step_curve(bsdf, t, p, band) for t, p in zip(theta_deg, phi_deg, strict=True)]
+    if quantity == "intensity":
+        curves = [(angle, f * np.abs(np.cos(np.radians(angle)))) for angle, f in curves]
+    to_radius, ticks, labels = _radii(np.concatenate([f for _, f in curves]), radius)
+    end = ticks[-1]
+    axes.set_theta_zero_location("N")
+    axes.set_theta_direction(-1)
+    axes.set_ylim(0.0, end)
+    colors = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.8, max(len(curves), 2)))
+    for (angle, f), theta, phi, color in zip(curves, theta_deg, phi_deg, colors, strict=False):
+        axes.plot(np.radians(angle), to_radius(f), color=color, linewidth=1.5, label=_name(theta, phi, phi_deg))
+        # Where the light comes from.
+        axes.annotate(
+            "", xy=(np.radians(-theta), 0.86 * end), xytext=(np.radians(-theta), 1.0 * end), annotation_clip=False,
+            arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0},
+        )  # fmt: skip
+    axes.plot(np.radians([-90, 90]), [end, end], color=INK, linewidth=1.6)
+    _label(axes, ticks, labels, phi_deg)
+    unit = "BSDF [1/sr]" if quantity == "bsdf" else "BSDF × cos θ [1/sr]"
+    axes.legend(
+        title=f"light from\n({unit})", loc="upper left", bbox_to_anchor=(-0.12, 1.08), fontsize=9, title_fontsize=9,
+        frameon=False, handlelength=1.4,
+    )  # fmt: skip
+    axes.text(np.radians(8), 1.17 * end, "room", fontsize=10, color=INK, ha="left", va="center")
+    axes.text(np.radians(172), 1.17 * end, "outside", fontsize=10, color=INK, ha="left", va="center")
+
+
+def _name(theta_deg: float, phi_deg: float, all_phi_deg: Sequence[float]) -> str:
+    side = "room" if theta_deg <= 90.0 else "outside"
+    azimuth = f", φ {phi_deg:g}°" if len(set(all_phi_deg)) > 1 else ""
+    return f"{side}, θ {theta_deg:g}°{azimuth}"
+
+
+def _radii(values: NDArray[np.float64], radius: Radius):  # type: ignore[no-untyped-def]
+    """The radius of a value, and ticks with their labels; the last one is the rim."""
+    if radius == "linear":
+        top = float(values.max()) or 1.0
+        step = 10.0 ** np.floor(np.log10(top))
+        step *= next(m for m in (0.2, 0.5, 1.0, 2.0) if top / (m * step) <= 5.0)
+        ticks = np.arange(1, int(np.ceil(top / step - 1e-9)) + 1) * step
+        return (lambda f: f), ticks, [f"{t:g}" for t in ticks]
+    low, high = whole_decades(values, _DECADES)
+    decades = np.arange(1, round(np.log10(high / low)) + 1)
+    labels = [f"$10^{{{round(np.log10(low)) + d}}}$" for d in decades]
+    return (lambda f: np.log10(np.maximum(f, low) / low)), decades.astype(float), labels
+
+
+def _label(axes: PolarAxes, ticks: NDArray[np.float64], labels: list[str], phi_deg: Sequence[float]) -> None:
+    angles = np.arange(-150, 181, 30)
+    axes.set_xticks(np.radians(angles % 360), [f"{abs(a)}°" for a in angles])
+    axes.set_rgrids(ticks, labels, angle=76, fontsize=9, color=INK, ha="center")
+    axes.tick_params(axis="x", labelsize=9, colors=FAINT, pad=1)
+    axes.grid(color="#dddddd", linewidth=0.7)
+    axes.spines["polar"].set_color("#bbbbbb")
+    if len(set(phi_deg)) == 1:
+        names = {0: "right", 90: "up", 180: "left", 270: "down"}
+        for angle, phi in ((-90, phi_deg[0] % 360), (90, (phi_deg[0] + 180) % 360)):
+            text = names.get(round(phi, 6), f"φ {phi:g}°")
+            axes.text(
+                np.radians(angle), 1.14 * ticks[-1], text, fontsize=10, color=INK, ha="center", va="center", rotation=90
+            )

@@ -1,0 +1,152 @@
+"""What the pictures share: colours on a logarithmic scale, a figure that notebooks show, files."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, LogNorm
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.ticker import LogLocator, NullLocator
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+ZERO = "#1c1c1c"
+INK = "#333333"
+FAINT = "#8a8a8a"
+FORMATS = ("png", "svg", "pdf")
+# Values fainter than this many decades below the brightest are drawn in the last colour.
+_DECADES = 5
+
+
+class Picture(Figure):
+    """A figure outside of pyplot; notebooks show it by itself."""
+
+    def _repr_png_(self) -> bytes:
+        stream = io.BytesIO()
+        self.savefig(stream, format="png")
+        return stream.getvalue()
+
+
+def figure(width_px: float, height_px: float, dpi: int = 100) -> Picture:
+    """Make an empty figure of this many pixels."""
+    return Picture(figsize=(width_px / dpi, height_px / dpi), dpi=dpi, facecolor="white")
+
+
+def save(picture: Figure, path: str | os.PathLike[str], *, dpi: float | None = None) -> None:
+    """Write a figure as PNG, SVG or PDF: the same bytes each time, and the file replaced only when complete.
+
+    Parameters
+    ----------
+    picture
+        From any function of this module.
+    path
+        File to write; its ending chooses the format.
+    dpi
+        Pixels per inch, 100 by default: an overview is 16 inches wide.
+
+    Raises
+    ------
+    ValueError
+        If the ending is none of ``.png``, ``.svg`` and ``.pdf``.
+    OSError
+        If the file cannot be written.
+    """
+    target = Path(path)
+    format_ = target.suffix.lower().lstrip(".")
+    if format_ not in FORMATS:
+        raise ValueError(f"{target}: ending {target.suffix!r}; expected .png, .svg or .pdf")
+    # Dates and random identifiers would make each file different.
+    metadata: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(format_, {})
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        with matplotlib.rc_context({"svg.hashsalt": "bsdftree"}):
+            picture.savefig(temporary, format=format_, metadata=metadata, dpi="figure" if dpi is None else dpi)
+        temporary.replace(target)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+class Scale(NamedTuple):
+    """A logarithmic colour scale [1/sr] over whole decades; zero has a colour of its own.
+
+    ``clipped`` says that there are values below ``low``; they have its colour.
+    """
+
+    low: float
+    high: float
+    colors: Colormap
+    clipped: bool = False
+
+    @classmethod
+    def of(cls, images: Iterable[Array], limits: tuple[float, float] | None = None, colors: str = "viridis") -> Scale:
+        """A scale that holds all values of some images, within five decades, or one with given limits.
+
+        Raises
+        ------
+        ValueError
+            If the limits are not 0 < lower < upper.
+        """
+        colormap = matplotlib.colormaps[colors].with_extremes(under=ZERO, bad=(0, 0, 0, 0))
+        positive = np.concatenate([image[image > 0.0] for image in images])
+        if limits is not None:
+            low, high = limits
+            if not 0.0 < low < high < np.inf:
+                raise ValueError(f"limits {low:g} to {high:g} of the scale; expected 0 < lower < upper")
+        else:
+            low, high = whole_decades(positive, _DECADES)
+        return cls(low, high, colormap, bool(np.any(positive < low)))
+
+    def draw(self, axes: Axes, image: Array, extent: tuple[float, float, float, float]) -> AxesImage:
+        """Draw an image. Pixels keep their edges."""
+        seen = np.where(image > 0.0, np.maximum(image, self.low), np.where(np.isnan(image), np.nan, 0.5 * self.low))
+        norm = LogNorm(self.low, self.high)
+        return axes.imshow(seen, cmap=self.colors, norm=norm, extent=extent, interpolation="nearest")
+
+    def bar(self, picture: Figure, box: Sequence[float]) -> Colorbar:
+        """Draw the scale with its decades and the colour of zero, upright in a box of the figure."""
+        axes = picture.add_axes((box[0], box[1], box[2], box[3]))
+        bar = picture.colorbar(
+            ScalarMappable(LogNorm(self.low, self.high), self.colors),
+            cax=axes,
+            extend="min",
+            extendrect=True,
+            extendfrac=0.04,
+        )
+        bar.locator = LogLocator(10, numticks=12)
+        bar.minorlocator = LogLocator(10, subs=range(2, 10), numticks=12)
+        bar.update_ticks()
+        bar.outline.set_edgecolor(FAINT)  # type: ignore[operator]
+        bar.ax.tick_params(labelsize=9, colors=INK)
+        bar.ax.text(1.6, -0.022, "0", transform=bar.ax.transAxes, fontsize=9, va="center", color=INK)
+        note = "\n(fainter: lowest colour)" if self.clipped else ""
+        bar.ax.set_title(f"BSDF [1/sr]{note}", fontsize=9, color=INK, pad=10)
+        return bar
+
+
+def whole_decades(values: Array, n_max: int) -> tuple[float, float]:
+    """Powers of ten around the positive values, at most ``n_max`` decades apart; 0.1 to 1 if there are none."""
+    positive = values[values > 0.0]
+    if positive.size == 0:
+        return 0.1, 1.0
+    # A value that is a power of ten but for rounding needs no further decade.
+    high = int(np.ceil(np.log10(positive.max()) - 1e-6))
+    low = max(int(np.floor(np.log10(positive.min()) + 1e-6)), high - n_max)
+    return 10.0 ** min(low, high - 1), 10.0**high
+
+
+def bare(axes: Axes) -> None:
+    """Take ticks and frame away."""
+    axes.xaxis.set_major_locator(NullLocator())
+    axes.yaxis.set_major_locator(NullLocator())
+    for spine in axes.spines.values():
+        spine.set_visible(False)
