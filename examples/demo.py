@@ -40,8 +40,8 @@ def hemispherical(bsdf: bsdftree.Bsdf, side: float, part: str) -> float:
 def main(folder: Path) -> None:
     """Generate everything into ``folder`` and print the table."""
     folder.mkdir(parents=True, exist_ok=True)
-    console = Console()
-    table = Table(title="From device geometry to BSDF", title_justify="left")
+    console = Console(width=None if sys.stdout.isatty() else 110)
+    table = Table(title="From device geometry to BSDF", title_justify="left", box=None, pad_edge=False)
     for column in (
         "device",
         "tree",
@@ -55,7 +55,7 @@ def main(folder: Path) -> None:
         "paths/s",
         "s",
     ):
-        table.add_column(column, justify="left" if column in ("device", "tree") else "right")
+        table.add_column(column, justify="left" if column in ("device", "tree") else "right", no_wrap=True)
     for name, (spec, options) in DEVICES.items():
         xml, png = folder / f"{name}.xml", folder / f"{name}.png"
         reports: list[bsdftree.GenerationReport] = []

@@ -46,7 +46,7 @@ def test_the_talks_own_command_makes_a_flat_mirror(run, mirror, tmp_path):
     assert result.exit_code == 0, result.output
     b = bsdftree.load(out)
     totals = b.hemispherical(bsdftree.direction_from_polar([5, 45, 85], 30), "reflection")
-    np.testing.assert_allclose(totals, 0.9, rtol=1e-6)
+    np.testing.assert_allclose(totals, 0.9, rtol=1e-3)
     assert b.name == "mirror"
     made, command = b.provenance
     assert "seed 0" in made and "2000 samples" in made and bsdftree.__version__ in made
@@ -64,9 +64,7 @@ def test_generate_writes_the_same_xml_to_standard_output(run, mirror, tmp_path):
 
 def test_generate_describes_what_it_made_as_json(run, tmp_path):
     out = tmp_path / "b.xml"
-    result = run(
-        "generate", "--device", "blinds:angle=20", "--klems", "quarter", "--samples", 100, "--json", "-o", out
-    )
+    result = run("generate", "--device", "blinds:angle=20", "--klems", "quarter", "--samples", 100, "--json", "-o", out)
     assert result.exit_code == 0, result.output
     made = json.loads(result.stdout)
     assert made["paths"] == 2 * 41 * 100
@@ -136,7 +134,10 @@ def test_info_and_check_work_on_every_real_file(run, data):
         assert checked["ok"] == (result.exit_code == 0)
         for band in checked["bands"]:
             for energy in band["energy"]:
-                assert 0 <= energy["reflected"] + energy["transmitted"] < 10
+                assert 0 <= energy["reflected"] + energy["transmitted"] <= energy["max"] + 1e-12
+        # Radiance's testBSDF.xml is a formula of no surface: it scatters to 80 times what comes in.
+        if path.name == "testBSDF.xml":
+            assert not checked["ok"]
 
 
 def test_truncated_files_are_refused_with_their_place(run, data):
