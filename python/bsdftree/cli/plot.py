@@ -42,13 +42,11 @@ _ONLY_FOR = {
     type=(float, float),
     multiple=True,
     metavar="THETA PHI",
-    help="Where light comes from [degree], for hemisphere (one) and polar (any number): θ from +Z, over 90 is from outside; "
-    "φ counter-clockwise from +X, 90 is from above.",
+    help="Where light comes from [degree], for hemisphere (one) and polar (any number): θ from +Z, over 90 is "
+    "from outside; φ counter-clockwise from +X, 90 is from above.",
 )
 @click.option("--band", help="Spectral band. [default: Visible, or the only one]")
-@click.option(
-    "--layout", type=click.Choice(["matrix", "mosaic"]), help="How whole draws Klems matrices. [default: matrix]"
-)
+@click.option("--layout", type=click.Choice(["matrix", "mosaic"]), help="Klems matrices in whole. [default: matrix]")
 @click.option(
     "--range", "limits", type=(float, float), metavar="MIN MAX", help="Colour scale [1/sr] of whole and hemisphere."
 )
@@ -99,9 +97,7 @@ def plot(
             option = "range" if name == "limits" else name
             raise click.UsageError(f"--{option} is for --kind {' and '.join(_ONLY_FOR[name])}, not {kind}")
     if kind == "hemisphere" and len(incident) != 1:
-        raise click.UsageError(
-            "--kind hemisphere needs one --incident THETA PHI, e.g. --incident 135 90 for sun at 45°"
-        )
+        raise click.UsageError("--kind hemisphere needs one --incident THETA PHI, e.g. 135 90 for sun at 45°")
     try:
         from bsdftree import plot as pictures
     except ModuleNotFoundError as error:

@@ -1,8 +1,8 @@
 """Pictures of a BSDF: the whole of it at once, polar slices, one hemisphere, and an overview of all.
 
-Every function takes a :class:`bsdftree.Bsdf` and returns a matplotlib Figure that belongs to no window and no pyplot state;
-notebooks show it, :func:`save` writes it. Colours and radii are BSDF values [1/sr] without cosine unless said otherwise.
-Everything is drawn as seen from the room: X to the right, Y up.
+Every function takes a :class:`bsdftree.Bsdf` and returns a matplotlib Figure that belongs to no window and no pyplot
+state; notebooks show it, :func:`save` writes it. Colours and radii are BSDF values [1/sr] without cosine unless said
+otherwise. Everything is drawn as seen from the room: X to the right, Y up.
 
 >>> from bsdftree import Bsdf, Tree, plot
 >>> white = Bsdf.from_trees({"reflection_back": Tree.from_grid([[[[0.25]]]])})

@@ -26,9 +26,9 @@ def hemisphere(
 ) -> Figure:
     """Draw where light from one direction goes: a disk of exitant directions for each side.
 
-    The disks are orthographic (a direction's x and y, so equal areas are equal projected solid angles) and both as seen from
-    the room, X to the right and Y up. A circle marks where the light comes from, on its side; a cross marks straight on
-    and mirrored.
+    The disks are orthographic (a direction's x and y, so equal areas are equal projected solid angles) and both as
+    seen from the room, X to the right and Y up. A circle marks where the light comes from, on its side; a cross marks
+    straight on and mirrored.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def hemisphere(
     band
         Spectral band; ``Visible`` or the only one by default.
     limits
-        Smallest and largest value [1/sr] of the colour scale; by default whole decades around the values.
+        Smallest and largest value [1/sr] of the colour scale; by default round numbers around the values.
     colors
         Name of a matplotlib colour map. Zero is dark grey in all of them.
     title
@@ -64,6 +64,8 @@ def hemisphere(
         _draw_disk(axes, image, scale, vector, side)
         total = float(bsdf.hemispherical(vector, kind, band=band))  # type: ignore[arg-type]
         axes.text(-1.1, 1.12, f"To the {name}: {kind} {100.0 * total:.2f} %", fontsize=13, color=INK, va="bottom")
+    legend = "Seen from the room.  ○ where the light comes from   × straight on, or mirrored"
+    picture.text(30 / 1640, 22 / 880, legend, fontsize=10, va="center", color=INK)
     theta, phi = polar_from_direction(vector)
     heading = bsdf.name if title is None else title
     of_band = f"  ({band})" if len(bsdf.bands) > 1 else ""

@@ -1,13 +1,14 @@
 """BSDFs as arrays of pixels; nothing here draws.
 
-Enters a :class:`bsdftree.Bsdf`, leaves an array [1/sr] whose row 0 is the top of the picture; NaN is no direction at all. In
-every mosaic a pixel's place follows the Shirley-Chiu map (JGT 2(3), 1997) of the direction in which the light **heads**: a tile's
-place that of the incident light (so the negative of the incident vector), the place inside a tile that of the light that leaves.
-Light that goes straight on, or is mirrored, therefore keeps its place.
+Enters a :class:`bsdftree.Bsdf`, leaves an array [1/sr] whose row 0 is the top of the picture; NaN is no direction.
+In every mosaic a pixel's place follows the Shirley-Chiu map (JGT 2(3), 1997) of the direction in which the light
+**heads**: a tile's place that of the incident light (so the negative of the incident vector), the place inside a tile
+that of the light that leaves. Light that goes straight on, or is mirrored, therefore keeps its place.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -52,10 +53,10 @@ def whole_image(
 ) -> Array:
     """All values of a component as one mosaic: a tile for each incident cell, in it all exitant cells.
 
-    Rank 4: tile column and row are the Shirley-Chiu square of the direction in which the incident light heads, x to the
-    right and y up; inside a tile the same for the light that leaves. Rank 3: one tile for each incident polar angle, from
-    normal to grazing in reading order, with the incident light heading to the right. Klems matrices: as rank 4, with the
-    values at the centres of the cells.
+    Rank 4: tile column and row are the Shirley-Chiu square of the direction in which the incident light heads, x to
+    the right and y up; inside a tile the same for the light that leaves. Rank 3: one tile for each incident polar
+    angle, from normal to grazing in reading order, with the incident light heading to the right. Klems matrices: as
+    rank 4, with the values at the centres of the cells.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ def _mosaic_of_tree(tree: Tree, log2_incident: int, log2_exitant: int) -> Mosaic
     # (tile row, tile column, exitant x, exitant y) to rows from the top and columns.
     pixels = tiles.reshape(rows, columns, m, m)[..., ::-1].transpose(0, 3, 1, 2).reshape(rows * m, columns * m)
     edges = np.degrees(np.arcsin(np.linspace(0.0, 1.0, n // 2 + 1)))
-    return Mosaic(pixels, columns, rows, [(float(a), float(b)) for a, b in zip(edges, edges[1:], strict=False)])
+    return Mosaic(pixels, columns, rows, [(float(a), float(b)) for a, b in pairwise(edges)])
 
 
 def _mosaic_of_matrix(bsdf: Bsdf, part: str, band: str, log2_incident: int, log2_exitant: int) -> Mosaic:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import textwrap
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter
 
-from bsdftree import Bsdf, Tree
-from bsdftree.plot._parts import OUTSIDE, ROOM, band_of, is_black, parts_of, scatters, totals_by_azimuth
+from bsdftree import Bsdf, Matrix, Tree, direction_from_polar
+from bsdftree.plot._parts import OUTSIDE, ROOM, band_of, is_black, parts_of, scatters
 from bsdftree.plot._polar import FROM_OUTSIDE, FROM_ROOM, draw_polar
 from bsdftree.plot._style import INK, Picture, Scale, figure
-from bsdftree.plot._whole import draw_panel, whole_panel
+from bsdftree.plot._whole import draw_panel, legend_of, whole_panel
 
 # All in pixels.
 _WIDTH = 1600
@@ -23,6 +21,8 @@ _MARGIN = 44
 _BAR = 110
 _GAP = 56
 _HEADER, _LEGEND, _BELOW = 116, 80, 460
+# Least height of what stands beside a single mosaic.
+_BESIDE = 640
 
 
 def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -> Figure:
@@ -59,36 +59,37 @@ def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -
     # A single mosaic would fill the picture: it is given the width of one of two, and the rest stands beside it.
     edge = (_WIDTH - 2 * _MARGIN - _BAR - (max(n, 2) - 1) * _GAP) / max(n, 2)
     beside = n == 1
-    height = _HEADER + edge + _LEGEND + (20 if beside else _BELOW)
-    picture = figure(_WIDTH, height)
-    _heading(picture, bsdf, band, title, black, height)
-
     panels = [
         whole_panel(bsdf, p, band, log2_res=5 if edge >= 600 else 4, max_px=1 << (int(edge).bit_length() - 1))
         for p in shown
     ]
     scale = Scale.of([p.pixels for p in panels])
-    bottom = height - _HEADER - edge
+    edge_y = edge * max(p.aspect for p in panels)
+    height = _HEADER + (max(edge_y, _BESIDE) if beside else edge_y) + _LEGEND + (20 if beside else _BELOW)
+    picture = figure(_WIDTH, height)
+    _heading(picture, bsdf, band, title, black, height)
+    bottom = height - _HEADER - edge_y
     for k, panel in enumerate(panels):
-        box = (_MARGIN + k * (edge + _GAP), bottom, edge, edge)
+        box = (_MARGIN + k * (edge + _GAP), bottom, edge, edge_y)
         draw_panel(picture.add_axes(_fractions(box, height)), panel, scale, 11.5 if n < 4 else 10)
     bar_x = _MARGIN + n * (edge + _GAP) - _GAP + 44
-    scale.bar(picture, _fractions((bar_x, bottom, 18, edge - 34), height))
-    characters = int((edge if beside else _WIDTH - 2 * _MARGIN) / 7.3)
-    legends = [textwrap.fill(line, characters) for panel in panels for line in panel.legend.split("\n")]
-    text = "\n".join(dict.fromkeys(legends))
+    scale.bar(picture, _fractions((bar_x, bottom, 18, edge_y - 34), height))
+    text = legend_of(panels, edge if beside else _WIDTH - 2 * _MARGIN)
     picture.text(_MARGIN / _WIDTH, (bottom - 34) / height, text, fontsize=9.5, va="top", color=INK)
 
     if beside:
         x = bar_x + _BAR
         width = _WIDTH - _MARGIN - x
         polar_edge = min(width / len(sides) - 70, 340)
-        corners = [(x + 20 + k * width / len(sides), height - _HEADER - polar_edge - 20) for k in range(len(sides))]
-        totals_box = (x + 20, bottom, width - 20, edge - polar_edge - 150)
+        spare = width / len(sides) - polar_edge
+        corners = [
+            (x + k * width / len(sides) + 0.6 * spare, height - _HEADER - polar_edge + 10) for k in range(len(sides))
+        ]
+        totals_box = (x + 20, _LEGEND + 20, width - 20, height - _HEADER - _LEGEND - 20 - polar_edge - 150)
     else:
         third = (_WIDTH - 2 * _MARGIN) / (len(sides) + 1)
         polar_edge = _BELOW - 120
-        corners = [(_MARGIN + k * third + 90, 46) for k in range(len(sides))]
+        corners = [(_MARGIN + k * third + 120, 46) for k in range(len(sides))]
         left = _MARGIN + len(sides) * third + 40
         totals_box = (left, 60, _WIDTH - _MARGIN - left, _BELOW - 140)
     for side, (x, y) in zip(sides, corners, strict=True):
@@ -110,38 +111,40 @@ def _heading(picture: Picture, bsdf: Bsdf, band: str, title: str | None, black: 
     text = (bsdf.name or "BSDF") if title is None else title
     picture.text(_MARGIN / _WIDTH, 1 - 28 / height, text, fontsize=16, va="center", color=INK)
     components = bsdf.components_of(band)
-    kinds = dict.fromkeys(
-        f"rank {c.rank}, 2^{c.depth} cells per axis"
-        if isinstance(c, Tree)
-        else f"Klems matrix {c.values.shape[0]} × {c.values.shape[1]}"
-        for c in components.values()
-    )
-    notes = [band, "; ".join(kinds), "percentages: of evenly diffuse light"]
+    components = {key: c for key, c in components.items() if key not in black} or components
+    kinds = dict.fromkeys(_kind(c) for c in components.values())
+    notes = [band, "; ".join(kinds), "percentages are of evenly diffuse light"]
     if black:
         notes.append("black: " + ", ".join(p.replace("_", " ") for p in black))
     picture.text(_MARGIN / _WIDTH, 1 - 56 / height, "  ·  ".join(notes), fontsize=10, va="center", color=INK)
 
 
+def _kind(component: Tree | Matrix) -> str:
+    if isinstance(component, Tree):
+        return f"rank-{component.rank} tree of $2^{component.depth}$ cells per axis"
+    return f"Klems matrix of {component.values.shape[0]} × {component.values.shape[1]} patches"
+
+
 def _draw_totals(axes: Axes, bsdf: Bsdf, sides: list[float], band: str) -> None:
-    """Hemispherical totals against incident polar angle: mean over azimuth as line, range as band."""
-    theta = np.arange(0.25, 90.0, 0.5)
+    """Hemispherical totals in the vertical plane: light from below at negative angles, from above at positive ones."""
+    angle = np.arange(-89.75, 90.0, 0.5)
     highest = 0.0
     for side in sides:
-        for kind in ("reflection", "transmission"):
-            totals = 100.0 * totals_by_azimuth(bsdf, side, kind, theta, band)
+        incident = direction_from_polar(angle, 90.0) * [1.0, 1.0, side]
+        name, color = ("room", "#2f6db5") if side == ROOM else ("outside", "#c0492b")
+        for kind, line in (("reflection", "-"), ("transmission", "--")):
+            totals = 100.0 * bsdf.hemispherical(incident, kind, band=band)  # type: ignore[arg-type]
             highest = max(highest, float(totals.max()))
-            name = "room" if side == ROOM else "outside"
-            color = "#b5462f" if side == OUTSIDE else "#2f6db5"
-            line = "-" if kind == "reflection" else "--"
-            axes.fill_between(theta, totals.min(axis=1), totals.max(axis=1), color=color, alpha=0.12, linewidth=0)
-            axes.plot(theta, totals.mean(axis=1), line, color=color, linewidth=1.5, label=f"{kind}, light from {name}")
-    axes.set_xlim(0, 90)
-    axes.set_xticks(range(0, 91, 15))
+            axes.plot(angle, totals, line, color=color, linewidth=1.5, label=f"{kind}, light from {name}")
+    axes.set_xlim(-90, 90)
+    axes.set_xticks(range(-90, 91, 30))
     axes.set_ylim(0, 102 if 50.0 < highest <= 101.0 else 1.08 * highest or 1.0)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0f}°"))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{abs(value):.0f}°"))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g} %"))
-    axes.set_xlabel("incident polar angle", fontsize=9.5, color=INK)
-    axes.set_title("Hemispherical totals: mean and range over azimuth", fontsize=10.5, color=INK, loc="left", pad=26)
+    axes.set_xlabel("from below        incident angle in the vertical plane        from above", fontsize=9.5, color=INK)
+    axes.set_title(
+        "Reflectance and transmittance by incident angle", fontsize=11, color=INK, loc="left", pad=10 + 17 * len(sides)
+    )
     axes.grid(color="#e4e4e4", linewidth=0.7)
     axes.tick_params(labelsize=9, colors=INK)
     for spine in axes.spines.values():

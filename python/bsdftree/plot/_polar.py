@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.projections.polar import PolarAxes
 from numpy.typing import ArrayLike, NDArray
 
 from bsdftree import Bsdf
 from bsdftree.plot._parts import ROOM, band_of, scatters
 from bsdftree.plot._slice import step_curve
-from bsdftree.plot._style import FAINT, INK, figure, whole_decades
+from bsdftree.plot._style import FAINT, INK, figure, round_limits
 
+Array = NDArray[np.float64]
 Quantity = Literal["bsdf", "intensity"]
 Radius = Literal["log", "linear"]
 FROM_ROOM = (0.0, 30.0, 60.0)
@@ -36,25 +38,26 @@ def polar(
 ) -> Figure:
     """Draw slices in the plane of incidence for several incident directions.
 
-    The surface lies across the middle, the room above, outside below. Light comes from the left, so that mirrored light
-    leaves to the right. Curves are steps: the BSDF is constant over each cell, and the edges of cells are found exactly.
-    Where the plane itself runs along an edge between cells, the upper cell counts.
+    The surface lies across the middle, the room above, outside below. Light comes from the left, so that mirrored
+    light leaves to the right. Curves are steps: the BSDF is constant over each cell, and the edges of cells are found
+    exactly. Where the plane itself runs along an edge between cells, the upper cell counts.
 
     Parameters
     ----------
     bsdf
         Trees or Klems matrices.
     theta_deg
-        Incident polar angles from +Z [degree]; over 90 is light from outside. 0, 30 and 60 by default, or 180, 150 and 120
-        if nothing becomes of light from the room.
+        Incident polar angles from +Z [degree]; over 90 is light from outside. 0, 30 and 60 by default, or 180, 150
+        and 120 if nothing becomes of light from the room.
     phi_deg
-        Azimuth from which the light comes [degree], counter-clockwise from +X; one, or one for each angle. 90 is from above.
+        Azimuth from which the light comes [degree], counter-clockwise from +X; one, or one for each angle. 90 is from
+        above.
     band
         Spectral band; ``Visible`` or the only one by default.
     quantity
         ``"bsdf"`` [1/sr], or ``"intensity"``: BSDF × cos θ, so that areas compare with flux.
     radius
-        ``"log"``: whole decades, four at most, smaller values at the centre; or ``"linear"``.
+        ``"log"``: four to five decades at most, smaller values at the centre; or ``"linear"``.
     title
         Heading; the name of the product by default.
 
@@ -69,13 +72,13 @@ def polar(
     theta, phi = (np.ravel(a) for a in np.broadcast_arrays(np.asarray(theta_deg, float), np.asarray(phi_deg, float)))
     if not (np.isfinite(phi).all() and ((theta >= 0.0) & (theta <= 180.0)).all()):
         raise ValueError(f"incident angles {theta.tolist()}, {phi.tolist()}; expected θ from 0 to 180 degrees")
-    picture = figure(1000, 960)
-    axes = picture.add_axes((0.09, 0.06, 0.82, 0.82), projection="polar")
+    picture = figure(1100, 960)
+    axes = picture.add_axes((240 / 1100, 70 / 960, 740 / 1100, 740 / 960), projection="polar")
     assert isinstance(axes, PolarAxes)
     draw_polar(axes, bsdf, theta.tolist(), phi.tolist(), band, quantity, radius)
     heading = bsdf.name if title is None else title
     text = f"{heading}  ({band})" if len(bsdf.bands) > 1 else heading
-    picture.text(0.03, 0.97, text, fontsize=14, va="center", color=INK)
+    picture.text(0.03, 0.97, text, fontsize=15, va="center", color=INK)
     return picture
 
 
@@ -94,8 +97,7 @@ def draw_polar(
     curves = [step_curve(bsdf, t, p, band) for t, p in zip(theta_deg, phi_deg, strict=True)]
     if quantity == "intensity":
         curves = [(angle, f * np.abs(np.cos(np.radians(angle)))) for angle, f in curves]
-    to_radius, ticks, labels = _radii(np.concatenate([f for _, f in curves]), radius)
-    end = ticks[-1]
+    to_radius, end, ticks, labels = _radii(np.concatenate([f for _, f in curves]), radius)
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
     axes.set_ylim(0.0, end)
@@ -108,14 +110,12 @@ def draw_polar(
             arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
     axes.plot(np.radians([-90, 90]), [end, end], color=INK, linewidth=1.6)
-    _label(axes, ticks, labels, phi_deg)
+    _label(axes, end, ticks, labels, phi_deg)
     unit = "BSDF [1/sr]" if quantity == "bsdf" else "BSDF × cos θ [1/sr]"
     axes.legend(
-        title=f"light from\n({unit})", loc="upper left", bbox_to_anchor=(-0.12, 1.08), fontsize=9, title_fontsize=9,
-        frameon=False, handlelength=1.4,
+        title=f"{unit}\nlight from", loc="upper right", bbox_to_anchor=(0.06, 1.14), fontsize=9, title_fontsize=9,
+        alignment="left", frameon=False, handlelength=1.4, borderpad=0,
     )  # fmt: skip
-    axes.text(np.radians(8), 1.17 * end, "room", fontsize=10, color=INK, ha="left", va="center")
-    axes.text(np.radians(172), 1.17 * end, "outside", fontsize=10, color=INK, ha="left", va="center")
 
 
 def _name(theta_deg: float, phi_deg: float, all_phi_deg: Sequence[float]) -> str:
@@ -124,31 +124,34 @@ def _name(theta_deg: float, phi_deg: float, all_phi_deg: Sequence[float]) -> str
     return f"{side}, θ {theta_deg:g}°{azimuth}"
 
 
-def _radii(values: NDArray[np.float64], radius: Radius):  # type: ignore[no-untyped-def]
-    """The radius of a value, and ticks with their labels; the last one is the rim."""
+def _radii(values: Array, radius: Radius) -> tuple[Callable[[Array], Array], float, Array, list[str]]:
+    """The radius of a value, the radius of the rim, and ticks with their labels."""
     if radius == "linear":
         top = float(values.max()) or 1.0
         step = 10.0 ** np.floor(np.log10(top))
         step *= next(m for m in (0.2, 0.5, 1.0, 2.0) if top / (m * step) <= 5.0)
         ticks = np.arange(1, int(np.ceil(top / step - 1e-9)) + 1) * step
-        return (lambda f: f), ticks, [f"{t:g}" for t in ticks]
-    low, high = whole_decades(values, _DECADES)
-    decades = np.arange(1, round(np.log10(high / low)) + 1)
+        return (lambda f: f), float(ticks[-1]), ticks, [f"{t:g}" for t in ticks]
+    low, high = round_limits(values, _DECADES)
+    end = float(np.log10(high / low))
+    decades = np.arange(1, int(end + 1e-6) + 1)
     labels = [f"$10^{{{round(np.log10(low)) + d}}}$" for d in decades]
-    return (lambda f: np.log10(np.maximum(f, low) / low)), decades.astype(float), labels
+    return (lambda f: np.log10(np.maximum(f, low) / low)), end, decades.astype(float), labels
 
 
-def _label(axes: PolarAxes, ticks: NDArray[np.float64], labels: list[str], phi_deg: Sequence[float]) -> None:
+def _label(axes: PolarAxes, end: float, ticks: Array, labels: list[str], phi_deg: Sequence[float]) -> None:
     angles = np.arange(-150, 181, 30)
-    axes.set_xticks(np.radians(angles % 360), [f"{abs(a)}°" for a in angles])
-    axes.set_rgrids(ticks, labels, angle=76, fontsize=9, color=INK, ha="center")
+    names = {0: "room\n0°", 90: "", 180: "180°\noutside"}
+    axes.set_xticks(np.radians(angles % 360), [names.get(abs(a), f"{abs(a)}°") for a in angles.tolist()])
+    axes.set_rgrids(ticks, labels, angle=84, fontsize=9, color=INK, ha="center")
+    for label in axes.get_yticklabels():
+        label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
     axes.tick_params(axis="x", labelsize=9, colors=FAINT, pad=1)
     axes.grid(color="#dddddd", linewidth=0.7)
     axes.spines["polar"].set_color("#bbbbbb")
     if len(set(phi_deg)) == 1:
-        names = {0: "right", 90: "up", 180: "left", 270: "down"}
+        azimuths = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
         for angle, phi in ((-90, phi_deg[0] % 360), (90, (phi_deg[0] + 180) % 360)):
-            text = names.get(round(phi, 6), f"φ {phi:g}°")
-            axes.text(
-                np.radians(angle), 1.14 * ticks[-1], text, fontsize=10, color=INK, ha="center", va="center", rotation=90
-            )
+            text = azimuths.get(round(phi, 6), f"φ {phi:g}°")
+            ha = "right" if angle < 0 else "left"
+            axes.text(np.radians(angle), 1.04 * end, text, fontsize=10, color=INK, ha=ha, va="center")

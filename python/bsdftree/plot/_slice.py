@@ -1,10 +1,12 @@
 """Values of a BSDF along the plane of incidence, as the steps that they are.
 
-Angles in the plane are measured at the surface from the front normal (+Z), positive to where the light heads: ±90° lie in the
-surface, ±180° is the back normal. Mirrored light from polar angle θ lies at θ.
+Angles in the plane are measured at the surface from the front normal (+Z), positive to where the light heads: ±90° lie
+in the surface, ±180° is the back normal. Mirrored light from polar angle θ lies at θ.
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +31,9 @@ def step_curve(bsdf: Bsdf, theta_deg: float, phi_deg: float, band: str) -> tuple
         return bsdf.eval(incident, direction_from_polar(angle_deg, phi_deg + 180.0), band=band)
 
     n = round(360.0 / _SCAN_DEG)
-    scan = -180.0 + (np.arange(n) + 0.5) * _SCAN_DEG  # never exactly in the surface or along a normal
+    scan = np.arange(n, dtype=np.float64) * _SCAN_DEG - (
+        180.0 - 0.5 * _SCAN_DEG
+    )  # never exactly in the surface or along a normal
     values = value(scan)
     before = np.flatnonzero(values[1:] != values[:-1])
     lower, upper, left = scan[before], scan[before + 1], values[before]
@@ -39,5 +43,5 @@ def step_curve(bsdf: Bsdf, theta_deg: float, phi_deg: float, band: str) -> tuple
         lower, upper = np.where(same, middle, lower), np.where(same, upper, middle)
     edges = np.concatenate([[-180.0], 0.5 * (lower + upper), [180.0]])
     cells = np.concatenate([values[before], values[-1:]])
-    angles = [np.linspace(a, b, 2 + int((b - a) / _CHORD_DEG)) for a, b in zip(edges, edges[1:], strict=False)]
+    angles = [np.linspace(a, b, 2 + int((b - a) / _CHORD_DEG)) for a, b in pairwise(edges)]
     return np.concatenate(angles), np.repeat(cells, [len(a) for a in angles])

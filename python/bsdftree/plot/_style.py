@@ -16,7 +16,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.ticker import LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -77,7 +77,7 @@ def save(picture: Figure, path: str | os.PathLike[str], *, dpi: float | None = N
 
 
 class Scale(NamedTuple):
-    """A logarithmic colour scale [1/sr] over whole decades; zero has a colour of its own.
+    """A logarithmic colour scale [1/sr]; zero has a colour of its own.
 
     ``clipped`` says that there are values below ``low``; they have its colour.
     """
@@ -103,7 +103,7 @@ class Scale(NamedTuple):
             if not 0.0 < low < high < np.inf:
                 raise ValueError(f"limits {low:g} to {high:g} of the scale; expected 0 < lower < upper")
         else:
-            low, high = whole_decades(positive, _DECADES)
+            low, high = round_limits(positive, _DECADES)
         return cls(low, high, colormap, bool(np.any(positive < low)))
 
     def draw(self, axes: Axes, image: Array, extent: tuple[float, float, float, float]) -> AxesImage:
@@ -120,28 +120,39 @@ class Scale(NamedTuple):
             cax=axes,
             extend="min",
             extendrect=True,
-            extendfrac=0.04,
+            extendfrac=0.08,
         )
         bar.locator = LogLocator(10, numticks=12)
         bar.minorlocator = LogLocator(10, subs=range(2, 10), numticks=12)
+        bar.formatter = FuncFormatter(self._tick)
+        if self.high < 30.0 * self.low:
+            bar.minorformatter = FuncFormatter(lambda value, _: f"{value:g}" if f"{value:e}"[0] in "25" else "")
         bar.update_ticks()
-        bar.outline.set_edgecolor(FAINT)  # type: ignore[operator]
         bar.ax.tick_params(labelsize=9, colors=INK)
-        bar.ax.text(1.6, -0.022, "0", transform=bar.ax.transAxes, fontsize=9, va="center", color=INK)
-        note = "\n(fainter: lowest colour)" if self.clipped else ""
-        bar.ax.set_title(f"BSDF [1/sr]{note}", fontsize=9, color=INK, pad=10)
+        bar.ax.tick_params(which="minor", labelsize=8, labelcolor=INK)
+        bar.ax.text(1.55, -0.05, "0", transform=bar.ax.transAxes, fontsize=9, va="center", color=INK)
+        bar.ax.set_title("BSDF [1/sr]", fontsize=9, color=INK, pad=10)
         return bar
 
+    def _tick(self, value: float, _: object) -> str:
+        at_most = "≤ " if self.clipped and np.isclose(value, self.low) else ""
+        return f"{at_most}$10^{{{round(np.log10(value))}}}$"
 
-def whole_decades(values: Array, n_max: int) -> tuple[float, float]:
-    """Powers of ten around the positive values, at most ``n_max`` decades apart; 0.1 to 1 if there are none."""
+
+def round_limits(values: Array, n_decades: int) -> tuple[float, float]:
+    """A power of ten below the positive values and 1, 2 or 5 times one above them; 0.1 to 1 if there are none.
+
+    They span at least a decade and less than ``n_decades`` + 1.
+    """
     positive = values[values > 0.0]
     if positive.size == 0:
         return 0.1, 1.0
-    # A value that is a power of ten but for rounding needs no further decade.
-    high = int(np.ceil(np.log10(positive.max()) - 1e-6))
-    low = max(int(np.floor(np.log10(positive.min()) + 1e-6)), high - n_max)
-    return 10.0 ** min(low, high - 1), 10.0**high
+    # A value that is round but for its own rounding needs no further step.
+    most = float(positive.max()) * (1.0 - 1e-6)
+    decade = int(np.floor(np.log10(most)))
+    high = next(m for m in (1, 2, 5, 10) if m * 10.0**decade >= most) * 10.0**decade
+    low = max(int(np.floor(np.log10(positive.min()) + 1e-6)), decade - n_decades)
+    return 10.0 ** min(low, int(np.floor(np.log10(high) + 1e-6)) - 1), float(high)
 
 
 def bare(axes: Axes) -> None:

@@ -1,7 +1,8 @@
-"""Seeing the whole BSDF: all incident and exitant directions in one image (G. Ward's tensor tree talks show it in grey)."""
+"""The whole BSDF: all incident and exitant directions in one image, as G. Ward's talks on tensor trees show it."""
 
 from __future__ import annotations
 
+import textwrap
 from itertools import accumulate
 from typing import Literal, NamedTuple
 
@@ -18,19 +19,24 @@ from bsdftree.plot._parts import SIDES, band_of, diffuse_total, parts_of
 from bsdftree.plot._style import FAINT, INK, Scale, bare, figure
 
 Layout = Literal["mosaic", "matrix"]
+# Edge of a panel: a power of two, so that pixels of the image are pixels of the picture.
+_EDGE = 1024
+
 
 LEGEND_RANK4 = (
-    "A tile is one incident direction, placed by where the light heads; inside it, all directions in which light leaves. "
-    "Light that goes straight on or is mirrored keeps its tile's place.\nSeen from the room. Squares: polar angles 30° and 60°."
+    "A tile is one incident direction, placed by where the light heads: to the right in the tiles at the right, "
+    "down in those at the bottom. Inside it, all directions in which light leaves.\n"
+    "Light that goes straight on or is mirrored keeps its tile's place. Seen from the room. "
+    "Dashed squares: polar angles 30° and 60°."
 )
 LEGEND_RANK3 = (
     "A tile is one range of incident polar angles; inside it, all directions in which light leaves. "
-    "The light comes from the left and heads to the right: mirrored light lies right of the centre."
+    "The light heads to the right: light that goes straight on or is mirrored lies right of the centre."
 )
 LEGEND_MATRIX = (
-    "Klems patches ring by ring from the normal; numbers are the polar angles between rings. Within a ring azimuth grows "
-    "counter-clockwise from the right.\nIncident patches are placed by where the light heads: light that goes straight on or is "
-    "mirrored lies on the diagonal."
+    "Klems patches ring by ring from the normal; numbers are the polar angles between rings. "
+    "Within a ring azimuth grows counter-clockwise from the right.\nIncident patches are placed by where "
+    "the light heads: light that goes straight on or is mirrored lies on the diagonal."
 )
 
 
@@ -40,6 +46,12 @@ class WholePanel(NamedTuple):
     title: str
     content: Mosaic | Matrix
     pixels: NDArray[np.float64]
+
+    @property
+    def aspect(self) -> float:
+        """Height by width."""
+        rows, columns = self.pixels.shape
+        return float(rows) / columns
 
     @property
     def legend(self) -> str:
@@ -91,8 +103,8 @@ def whole(
     log2_res
         Up to 2^log2_res incident cells per axis, by default up to 2^5. Coarser cells are means.
     limits
-        Smallest and largest value [1/sr] of the colour scale, e.g. to compare pictures; by default whole decades
-        around the values.
+        Smallest and largest value [1/sr] of the colour scale, e.g. to compare pictures; by default round
+        numbers around the values.
     colors
         Name of a matplotlib colour map. Zero is dark grey in all of them.
     title
@@ -110,18 +122,19 @@ def whole(
 
     Notes
     -----
-    Tiles are means over cells where the tree is finer than the picture. :func:`bsdftree.plot.whole_image` has the numbers.
+    Where the tree is finer than the picture, pixels are means. :func:`bsdftree.plot.whole_image` has the numbers.
     """
     band = band_of(bsdf, band)
     parts = parts_of(bsdf, part, band)
-    panels = [whole_panel(bsdf, p, band, layout=layout, log2_res=log2_res, max_px=1024) for p in parts]
+    panels = [whole_panel(bsdf, p, band, layout=layout, log2_res=log2_res, max_px=_EDGE) for p in parts]
     scale = Scale.of([p.pixels for p in panels], limits, colors)
     columns = 1 if len(panels) == 1 else 2
     rows = -(-len(panels) // columns)
     # All in pixels.
-    edge, gap, left, top, bottom, right = 1060, 96, 70, 110, 96, 130
+    edge, gap, left, top, bottom, right = _EDGE, 96, 70, 110, 110, 130
+    edge_y = round(edge * max(p.aspect for p in panels))
     width = left + columns * edge + (columns - 1) * gap + right
-    height = top + rows * edge + (rows - 1) * gap + bottom
+    height = top + rows * edge_y + (rows - 1) * gap + bottom
     picture = figure(width, height)
     heading = bsdf.name if title is None else title
     if heading or len(bsdf.bands) > 1:
@@ -129,14 +142,21 @@ def whole(
         picture.text(left / width, 1.0 - 30 / height, text, fontsize=16, va="center", color=INK)
     for k, panel in enumerate(panels):
         x = left + (k % columns) * (edge + gap)
-        y = bottom + (rows - 1 - k // columns) * (edge + gap)
-        axes = picture.add_axes((x / width, y / height, edge / width, edge / height))
+        y = bottom + (rows - 1 - k // columns) * (edge_y + gap)
+        axes = picture.add_axes((x / width, y / height, edge / width, edge_y / height))
         draw_panel(axes, panel, scale, 13)
-    bar_height = min(edge, 700)
+    bar_height = min(edge_y, 700)
     scale.bar(picture, (1.0 - 100 / width, (height - top - bar_height) / height, 22 / width, bar_height / height))
-    legends = list(dict.fromkeys(panel.legend for panel in panels))
-    picture.text(left / width, 14 / height, "\n".join(legends), fontsize=10, va="bottom", color=INK)
+    text = legend_of(panels, width - left - 20)
+    picture.text(left / width, (bottom - 34) / height, text, fontsize=9.5, va="top", color=INK)
     return picture
+
+
+def legend_of(panels: list[WholePanel], width_px: float) -> str:
+    """How to read some panels, in lines that fit in a width at 9.5 points."""
+    characters = int(width_px / 7.3)
+    lines = dict.fromkeys(line for panel in panels for line in panel.legend.split("\n"))
+    return "\n".join(textwrap.fill(line, characters) for line in lines)
 
 
 def draw_panel(axes: Axes, panel: WholePanel, scale: Scale, font_size: float) -> None:
@@ -147,11 +167,13 @@ def draw_panel(axes: Axes, panel: WholePanel, scale: Scale, font_size: float) ->
         return
     tiles = panel.content
     scale.draw(axes, tiles.pixels, (0, tiles.columns, 0, tiles.rows))
+    axes.set_anchor("NW")
     bare(axes)
     if max(tiles.columns, tiles.rows) > 1:
-        style = {"color": "white", "linewidth": 0.6, "alpha": 0.45}
-        axes.vlines(range(1, tiles.columns), 0, tiles.rows, **style)
-        axes.hlines(range(1, tiles.rows), 0, tiles.columns, **style)
+        for x in range(1, tiles.columns):
+            axes.axvline(x, color="white", linewidth=0.6, alpha=0.45)
+        for y in range(1, tiles.rows):
+            axes.axhline(y, color="white", linewidth=0.6, alpha=0.45)
     if tiles.theta_deg is None:
         _annotate_square(axes, tiles.columns, font_size)
     else:
@@ -164,19 +186,17 @@ def _annotate_square(axes: Axes, n: int, font_size: float) -> None:
     for theta_deg in (30.0, 60.0):
         half = 0.5 * n * float(np.sin(np.radians(theta_deg)))
         corner = (0.5 * n - half, 0.5 * n - half)
-        ring = Rectangle(
-            corner, 2 * half, 2 * half, fill=False, edgecolor="white", linewidth=0.9, linestyle=(0, (5, 4))
-        )
-        axes.add_patch(ring)
+        dashes = (0, (5, 4))
+        axes.add_patch(Rectangle(corner, 2 * half, 2 * half, fill=False, edgecolor="white", linestyle=dashes))
         axes.text(
             0.5 * n, 0.5 * n + half, f"{theta_deg:.0f}°", color="white", fontsize=small, ha="center", va="center",
             path_effects=halo,
         )  # fmt: skip
     for x, y, text, ha, va, rotation in (
-        (0.5, 1.005, "light from below, heading up ↑", "center", "bottom", 0),
-        (0.5, -0.006, "light from above, heading down ↓", "center", "top", 0),
-        (-0.006, 0.5, "light from the right, heading left", "right", "center", 90),
-        (1.006, 0.5, "light from the left, heading right", "left", "center", 90),
+        (0.5, 1.005, "light from below, heading up", "center", "bottom", 0),
+        (0.5, -0.006, "light from above, heading down", "center", "top", 0),
+        (-0.006, 0.5, "light from the right", "right", "center", 90),
+        (1.006, 0.5, "light from the left", "left", "center", 90),
     ):
         axes.text(x, y, text, transform=axes.transAxes, fontsize=small, ha=ha, va=va, rotation=rotation, color=INK)
 
@@ -187,7 +207,13 @@ def _annotate_polar_angles(axes: Axes, tiles: Mosaic, font_size: float) -> None:
     for k, (lower, upper) in enumerate(tiles.theta_deg):
         x, y = k % tiles.columns + 0.03, tiles.rows - k // tiles.columns - 0.03
         axes.text(
-            x, y, f"{lower:.0f}–{upper:.0f}°", color="white", fontsize=0.75 * font_size, va="top", path_effects=halo
+            x,
+            y,
+            f"{lower:.0f}–{upper:.0f}°",
+            color="white",
+            fontsize=font_size * min(0.75, 4.0 / tiles.columns),
+            va="top",
+            path_effects=halo,
         )
     axes.text(
         0.5, -0.006, "incident polar angle, in reading order; light heads to the right", transform=axes.transAxes,
