@@ -20,7 +20,7 @@ _MARGIN = 44
 # Room for the colour bar at the right.
 _BAR = 110
 _GAP = 56
-_HEADER, _LEGEND, _BELOW = 116, 80, 460
+_HEADER, _LEGEND, _BELOW = 116, 86, 460
 # Least height of what stands beside a single mosaic.
 _BESIDE = 640
 
@@ -60,7 +60,7 @@ def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -
     edge = (_WIDTH - 2 * _MARGIN - _BAR - (max(n, 2) - 1) * _GAP) / max(n, 2)
     beside = n == 1
     panels = [
-        whole_panel(bsdf, p, band, log2_res=5 if edge >= 600 else 4, max_px=1 << (int(edge).bit_length() - 1))
+        whole_panel(bsdf, p, band, log2_res=_log2_res(components[p], edge), max_px=1 << (int(edge).bit_length() - 1))
         for p in shown
     ]
     scale = Scale.of([p.pixels for p in panels])
@@ -80,17 +80,17 @@ def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -
     if beside:
         x = bar_x + _BAR
         width = _WIDTH - _MARGIN - x
-        polar_edge = min(width / len(sides) - 70, 340)
+        polar_edge = min(width / len(sides) - 104, 340)
         spare = width / len(sides) - polar_edge
         corners = [
-            (x + k * width / len(sides) + 0.6 * spare, height - _HEADER - polar_edge + 10) for k in range(len(sides))
+            (x + k * width / len(sides) + 0.75 * spare, height - _HEADER - polar_edge + 10) for k in range(len(sides))
         ]
         totals_box = (x + 20, _LEGEND + 20, width - 20, height - _HEADER - _LEGEND - 20 - polar_edge - 150)
     else:
-        third = (_WIDTH - 2 * _MARGIN) / (len(sides) + 1)
+        third = (_WIDTH - 2 * _MARGIN - 30) / (len(sides) + 1)
         polar_edge = _BELOW - 120
         corners = [(_MARGIN + k * third + 120, 46) for k in range(len(sides))]
-        left = _MARGIN + len(sides) * third + 40
+        left = _MARGIN + len(sides) * third + 70
         totals_box = (left, 60, _WIDTH - _MARGIN - left, _BELOW - 140)
     for side, (x, y) in zip(sides, corners, strict=True):
         box = (x, y, polar_edge, polar_edge)
@@ -99,6 +99,11 @@ def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -
         draw_polar(axes, bsdf, FROM_ROOM if side == ROOM else FROM_OUTSIDE, [90.0] * 3, band)
     _draw_totals(picture.add_axes(_fractions(totals_box, height)), bsdf, sides, band)
     return picture
+
+
+def _log2_res(component: Tree | Matrix, edge: float) -> int:
+    """No more tiles than can be told apart; rank 3 has few."""
+    return 5 if edge >= 600 or (isinstance(component, Tree) and component.rank == 3) else 4
 
 
 def _fractions(box: tuple[float, float, float, float], height: float) -> tuple[float, float, float, float]:
@@ -138,7 +143,7 @@ def _draw_totals(axes: Axes, bsdf: Bsdf, sides: list[float], band: str) -> None:
             axes.plot(angle, totals, line, color=color, linewidth=1.5, label=f"{kind}, light from {name}")
     axes.set_xlim(-90, 90)
     axes.set_xticks(range(-90, 91, 30))
-    axes.set_ylim(0, 102 if 50.0 < highest <= 101.0 else 1.08 * highest or 1.0)
+    axes.set_ylim(0, 102 if 50.0 < highest <= 101.0 else 1.08 * highest or 102)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{abs(value):.0f}°"))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g} %"))
     axes.set_xlabel("from below        incident angle in the vertical plane        from above", fontsize=9.5, color=INK)

@@ -59,8 +59,12 @@ def parts_of(bsdf: Bsdf, part: str | None, band: str) -> list[str]:
 
 def is_black(component: Tree | Matrix) -> bool:
     """Whether a component scatters nothing at all."""
-    values = component.leaves()[2] if isinstance(component, Tree) else component.values
-    return not np.any(values > 0.0)
+    if isinstance(component, Matrix):
+        return not np.any(component.values > 0.0)
+    cells, levels, values = component.leaves()
+    # Rank 3 keeps half of its incident axis for nothing.
+    used = cells[:, 0] < np.ldexp(0.5, levels.astype(np.int32)) if component.rank == 3 else True
+    return not np.any((values > 0.0) & used)
 
 
 def scatters(bsdf: Bsdf, side: float, band: str) -> bool:

@@ -113,15 +113,14 @@ def draw_polar(
     _label(axes, end, ticks, labels, phi_deg)
     unit = "BSDF [1/sr]" if quantity == "bsdf" else "BSDF × cos θ [1/sr]"
     axes.legend(
-        title=f"{unit}\nlight from", loc="upper right", bbox_to_anchor=(0.06, 1.14), fontsize=9, title_fontsize=9,
+        title=f"{unit}\nlight from", loc="upper right", bbox_to_anchor=(-0.03, 1.14), fontsize=9, title_fontsize=9,
         alignment="left", frameon=False, handlelength=1.4, borderpad=0,
     )  # fmt: skip
 
 
 def _name(theta_deg: float, phi_deg: float, all_phi_deg: Sequence[float]) -> str:
-    side = "room" if theta_deg <= 90.0 else "outside"
     azimuth = f", φ {phi_deg:g}°" if len(set(all_phi_deg)) > 1 else ""
-    return f"{side}, θ {theta_deg:g}°{azimuth}"
+    return f"θ {theta_deg:g}°{azimuth}"
 
 
 def _radii(values: Array, radius: Radius) -> tuple[Callable[[Array], Array], float, Array, list[str]]:
@@ -143,10 +142,12 @@ def _label(axes: PolarAxes, end: float, ticks: Array, labels: list[str], phi_deg
     angles = np.arange(-150, 181, 30)
     names = {0: "room\n0°", 90: "", 180: "180°\noutside"}
     axes.set_xticks(np.radians(angles % 360), [names.get(abs(a), f"{abs(a)}°") for a in angles.tolist()])
+    # Near the centre labels would cover each other.
+    labels = [label if tick > 0.25 * end else "" for tick, label in zip(ticks, labels, strict=True)]
     axes.set_rgrids(ticks, labels, angle=84, fontsize=9, color=INK, ha="center")
     for label in axes.get_yticklabels():
         label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
-    axes.tick_params(axis="x", labelsize=9, colors=FAINT, pad=1)
+    axes.tick_params(axis="x", labelsize=9, colors=FAINT, pad=4)
     axes.grid(color="#dddddd", linewidth=0.7)
     axes.spines["polar"].set_color("#bbbbbb")
     if len(set(phi_deg)) == 1:

@@ -104,7 +104,7 @@ class Scale(NamedTuple):
                 raise ValueError(f"limits {low:g} to {high:g} of the scale; expected 0 < lower < upper")
         else:
             low, high = round_limits(positive, _DECADES)
-        return cls(low, high, colormap, bool(np.any(positive < low)))
+        return cls(low, high, colormap, bool(np.any(positive < low * (1.0 - 1e-5))))
 
     def draw(self, axes: Axes, image: Array, extent: tuple[float, float, float, float]) -> AxesImage:
         """Draw an image. Pixels keep their edges."""
@@ -115,12 +115,14 @@ class Scale(NamedTuple):
     def bar(self, picture: Figure, box: Sequence[float]) -> Colorbar:
         """Draw the scale with its decades and the colour of zero, upright in a box of the figure."""
         axes = picture.add_axes((box[0], box[1], box[2], box[3]))
+        # Of the same size in pixels whatever the height of the bar.
+        zero = 30.0 / (box[3] * picture.bbox.height)
         bar = picture.colorbar(
             ScalarMappable(LogNorm(self.low, self.high), self.colors),
             cax=axes,
             extend="min",
             extendrect=True,
-            extendfrac=0.08,
+            extendfrac=zero,
         )
         bar.locator = LogLocator(10, numticks=12)
         bar.minorlocator = LogLocator(10, subs=range(2, 10), numticks=12)
@@ -130,7 +132,7 @@ class Scale(NamedTuple):
         bar.update_ticks()
         bar.ax.tick_params(labelsize=9, colors=INK)
         bar.ax.tick_params(which="minor", labelsize=8, labelcolor=INK)
-        bar.ax.text(1.55, -0.05, "0", transform=bar.ax.transAxes, fontsize=9, va="center", color=INK)
+        bar.ax.text(1.55, -0.8 * zero, "0", transform=bar.ax.transAxes, fontsize=9, va="center", color=INK)
         bar.ax.set_title("BSDF [1/sr]", fontsize=9, color=INK, pad=10)
         return bar
 

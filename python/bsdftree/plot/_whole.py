@@ -24,8 +24,8 @@ _EDGE = 1024
 
 
 LEGEND_RANK4 = (
-    "A tile is one incident direction, placed by where the light heads: to the right in the tiles at the right, "
-    "down in those at the bottom. Inside it, all directions in which light leaves.\n"
+    "A tile is one incident direction, placed by where the light heads (top: up, right: to the right); "
+    "inside it, all directions in which light leaves.\n"
     "Light that goes straight on or is mirrored keeps its tile's place. Seen from the room. "
     "Dashed squares: polar angles 30° and 60°."
 )
@@ -50,8 +50,7 @@ class WholePanel(NamedTuple):
     @property
     def aspect(self) -> float:
         """Height by width."""
-        rows, columns = self.pixels.shape
-        return float(rows) / columns
+        return float(self.pixels.shape[0] / self.pixels.shape[1])
 
     @property
     def legend(self) -> str:
@@ -154,7 +153,7 @@ def whole(
 
 def legend_of(panels: list[WholePanel], width_px: float) -> str:
     """How to read some panels, in lines that fit in a width at 9.5 points."""
-    characters = int(width_px / 7.3)
+    characters = int(width_px / 6.4)
     lines = dict.fromkeys(line for panel in panels for line in panel.legend.split("\n"))
     return "\n".join(textwrap.fill(line, characters) for line in lines)
 
