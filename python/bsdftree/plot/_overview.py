@@ -136,11 +136,11 @@ def _draw_totals(axes: Axes, bsdf: Bsdf, sides: list[float], band: str) -> None:
     highest = 0.0
     for side in sides:
         incident = direction_from_polar(angle, 90.0) * [1.0, 1.0, side]
-        name, color = ("room", "#2f6db5") if side == ROOM else ("outside", "#c0492b")
+        name, color, width = ("room", "#2f6db5", 2.6) if side == ROOM else ("outside", "#c0492b", 1.3)
         for kind, line in (("reflection", "-"), ("transmission", "--")):
             totals = 100.0 * bsdf.hemispherical(incident, kind, band=band)  # type: ignore[arg-type]
             highest = max(highest, float(totals.max()))
-            axes.plot(angle, totals, line, color=color, linewidth=1.5, label=f"{kind}, light from {name}")
+            axes.plot(angle, totals, line, color=color, linewidth=width, label=f"{kind}, light from {name}")
     axes.set_xlim(-90, 90)
     axes.set_xticks(range(-90, 91, 30))
     axes.set_ylim(0, 102 if 50.0 < highest <= 101.0 else 1.08 * highest or 102)

@@ -102,8 +102,12 @@ def draw_polar(
     axes.set_theta_direction(-1)
     axes.set_ylim(0.0, end)
     colors = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.8, max(len(curves), 2)))
+    # Where curves coincide, those beneath show at the edges.
+    widths = iter(np.linspace(2.8, 1.3, len(curves)))
     for (angle, f), theta, phi, color in zip(curves, theta_deg, phi_deg, colors, strict=False):
-        axes.plot(np.radians(angle), to_radius(f), color=color, linewidth=1.5, label=_name(theta, phi, phi_deg))
+        axes.plot(
+            np.radians(angle), to_radius(f), color=color, linewidth=next(widths), label=_name(theta, phi, phi_deg)
+        )
         # Where the light comes from.
         axes.annotate(
             "", xy=(np.radians(-theta), 0.86 * end), xytext=(np.radians(-theta), 1.0 * end), annotation_clip=False,

@@ -72,6 +72,11 @@ def save(picture: Figure, path: str | os.PathLike[str], *, dpi: float | None = N
         with matplotlib.rc_context({"svg.hashsalt": "bsdftree"}):
             picture.savefig(temporary, format=format_, metadata=metadata, dpi="figure" if dpi is None else dpi)
         temporary.replace(target)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        # Name the file asked for, not the temporary one.
+        raise OSError(error.errno, error.strerror, str(target)) from error
     finally:
         temporary.unlink(missing_ok=True)
 
