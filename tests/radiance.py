@@ -104,7 +104,7 @@ class Library:
         """Answer several questions with one reading of the file.
 
         `xyz` (n, 3) for pairs; `solid_angle` (n, 2: smallest, largest) for pairs of `resolution`; `all`, `reflection`,
-        `transmission` (n,) for incident directions; `samples` (m, n, 3) for m incident directions, n samples each, part.
+        `transmission` (n,) for incident directions; `samples` (m, n, 3) for m incident directions, n samples each.
         """
         return self._ask(
             pairs=None if pairs is None else np.hstack([degrees(d) for d in pairs]),

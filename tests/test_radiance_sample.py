@@ -6,11 +6,12 @@ has ten times as many, so that this hardly matters: they are nearly the expected
 
 from __future__ import annotations
 
-import bsdftree
 import numpy as np
 import pytest
 from directions import hemisphere, histogram, two_sample_chi_squared
 from radiance import PARTS, Library, needs_radiance
+
+import bsdftree
 
 pytestmark = needs_radiance
 
