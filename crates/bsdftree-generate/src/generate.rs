@@ -159,8 +159,11 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         let begin = Instant::now();
         let lost = traced.iter().map(|(_, t)| t.lost).sum();
         let mut bsdf = Bsdf { header: self.header(), ..Bsdf::default() };
-        for (part, rows) in self.components(traced) {
-            bsdf.band_mut("Visible").insert(part, self.component(&rows)?);
+        let components = self.components(traced);
+        let headroom = [Side::Front, Side::Back].map(|side| self.headroom(&components, side));
+        for (part, rows) in components {
+            let headroom = &headroom[usize::from(part.incident_side() == Side::Back)];
+            bsdf.band_mut("Visible").insert(part, self.component(&rows, headroom)?);
         }
         if self.options.reciprocity && matches!(self.options.layout, Layout::Klems(_)) {
             crate::klems::make_reciprocal(bsdf.band_mut("Visible")).map_err(GenerateError::Matrix)?;
@@ -274,11 +277,23 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         parts
     }
 
-    fn component(&self, rows: &[Row<S>]) -> Result<Component, GenerateError> {
+    /// The part of the light from each incident cell of a side that did not leave the device.
+    fn headroom(&self, components: &[(Part, Vec<Row<S>>)], side: Side) -> Vec<f64> {
+        let mut headroom = vec![1.0; self.options.layout.n_incident()];
+        for (_, rows) in components.iter().filter(|(part, _)| part.incident_side() == side) {
+            for (room, row) in headroom.iter_mut().zip(rows) {
+                let left: f64 = row.iter().map(|exit| exit.sum.luminance()).sum();
+                *room -= left / self.options.samples as f64;
+            }
+        }
+        headroom
+    }
+
+    fn component(&self, rows: &[Row<S>], headroom: &[f64]) -> Result<Component, GenerateError> {
         let n = self.options.samples;
         match &self.options.layout {
             Layout::Tree { rank, log2_res } => {
-                let reduced = reduce(*rank, *log2_res, rows, n, self.options.pruned, self.xyz)?;
+                let reduced = reduce(*rank, *log2_res, rows, n, headroom, self.options.pruned, self.xyz)?;
                 let chroma = reduced.chroma.map(|trees| trees.map(Scattering::from));
                 Ok(Component { luminance: reduced.luminance.into(), chroma })
             }

@@ -24,6 +24,7 @@ pub mod path;
 pub mod layout;
 pub mod tally;
 mod reciprocity;
+mod guard;
 mod reduce;
 mod klems;
 pub mod progress;

@@ -15,6 +15,7 @@ use bsdftree::color::uv_from_xyz;
 use bsdftree::tree::{Rank, Slot, Tree, TreeBuilder, TreeError};
 use rayon::prelude::*;
 
+use crate::guard::guarded;
 use crate::scatter::Spectrum;
 use crate::tally::Row;
 
@@ -33,26 +34,25 @@ pub struct Reduced {
 }
 
 /// Reduces rows of paths, one per incident cell, to trees. `pruned: false` keeps every cell that the paths resolve.
+/// `headroom` is the part of each incident cell's light that did not leave at all.
 /// `xyz` turns sums into CIE X, Y, Z where the colour of the result is asked for.
 pub fn reduce<S: Spectrum>(
     rank: Rank,
     log2_res: u32,
     rows: &[Row<S>],
     n_samples: u64,
+    headroom: &[f64],
     pruned: bool,
     xyz: Option<fn(S) -> [f64; 3]>,
 ) -> Result<Reduced, TreeError> {
     let omega = std::f64::consts::PI * 0.25f64.powi(log2_res as i32);
     let rows: Vec<_> = rows.par_iter().map(|row| Prefix::new(row, xyz)).collect();
     let reducer = Reducer { rank, log2_res, rows: &rows, n: n_samples as f64, omega, pruned };
-    let n_exitant = 1u64 << (2 * log2_res);
-    let members: Vec<_> = rows
-        .iter()
-        .enumerate()
-        .filter(|(_, r)| !r.cells.is_empty())
-        .map(|(k, r)| [k as u32, 0, r.cells.len() as u32])
-        .collect();
-    let root = reducer.node(0, rows.len() as f64, 0, n_exitant, &members, 0.0).kept;
+    let (region, members) = reducer.root();
+    let mut root = reducer.decide(region, &members, 0.0).kept;
+    if pruned {
+        root = guarded(&reducer, root, headroom);
+    }
     let tree = |f: &dyn Fn(&mut TreeBuilder) -> Result<Slot, TreeError>| {
         let mut builder = TreeBuilder::new(rank);
         let root = f(&mut builder)?;
@@ -70,7 +70,7 @@ pub fn reduce<S: Spectrum>(
 }
 
 /// A row as running sums, so that any range of its cells is summed by a subtraction.
-struct Prefix {
+pub(crate) struct Prefix {
     cells: Vec<u32>,
     luminance: Vec<f64>,
     squares: Vec<f64>,
@@ -106,7 +106,7 @@ impl Prefix {
 }
 
 /// The tree while it is decided.
-enum Kept {
+pub(crate) enum Kept {
     Leaf { value: f64, xyz: [f64; 3] },
     Node(Vec<Kept>),
 }
@@ -118,45 +118,71 @@ struct Estimate {
     squares: f64,
 }
 
-struct Reducer<'a> {
+/// What a node of the tree stands for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Region {
+    pub level: u32,
+    /// Incident cells; none in the half of rank 3 that no incident direction has.
+    pub first_row: u32,
+    pub n_rows: u32,
+    first_exit: u64,
+    pub n_exit: u64,
+}
+
+/// The part of a row that lies in a region: row, first and last+1 of its entries.
+pub(crate) type Member = [u32; 3];
+
+pub(crate) struct Reducer<'a> {
     rank: Rank,
-    log2_res: u32,
+    pub log2_res: u32,
     rows: &'a [Prefix],
-    n: f64,
-    omega: f64,
+    pub n: f64,
+    pub omega: f64,
     pruned: bool,
 }
 
-/// The part of a row that lies in a node: row, first and last+1 of its entries.
-type Member = [u32; 3];
-
 impl Reducer<'_> {
-    /// Decides a node over `n_incident` incident cells and the exitant cells from `first_exit`, `n_exit` of them.
-    /// `weight` is the mean weight of the parent's paths.
-    fn node(
-        &self,
-        level: u32,
-        n_incident: f64,
-        first_exit: u64,
-        n_exit: u64,
-        members: &[Member],
-        weight: f64,
-    ) -> Estimate {
-        let size = n_incident * n_exit as f64;
+    /// The whole tree.
+    pub fn root(&self) -> (Region, Vec<Member>) {
+        let region = Region {
+            level: 0,
+            first_row: 0,
+            n_rows: self.rows.len() as u32,
+            first_exit: 0,
+            n_exit: 1 << (2 * self.log2_res),
+        };
+        let rows = self.rows.iter().enumerate().filter(|(_, r)| !r.cells.is_empty());
+        (region, rows.map(|(k, r)| [k as u32, 0, r.cells.len() as u32]).collect())
+    }
+
+    /// Sums of weights and of their squares per path over a member.
+    pub fn sums(&self, [row, from, to]: Member) -> (f64, f64) {
+        let prefix = &self.rows[row as usize];
+        let range = |sums: &[f64]| (sums[to as usize] - sums[from as usize]) / self.n;
+        (range(&prefix.luminance), range(&prefix.squares))
+    }
+
+    /// Variance of the mean weight of a member.
+    pub fn variance(&self, member: Member) -> f64 {
+        let (t, q) = self.sums(member);
+        (q - t * t).max(0.0) / self.n
+    }
+
+    /// Decides a region: leaf or node. `weight` is the mean weight of the parent's paths.
+    fn decide(&self, region: Region, members: &[Member], weight: f64) -> Estimate {
+        let size = f64::from(region.n_rows) * region.n_exit as f64;
         if members.is_empty() {
             let one_count = weight / (self.n * self.omega * size);
             let cost = if size > 0.0 { LAMBDA * size * one_count * one_count } else { 0.0 };
             return Estimate { kept: Kept::Leaf { value: 0.0, xyz: [0.0; 3] }, cost, squares: 0.0 };
         }
-        let (mut t, mut q, mut v, mut xyz) = (0.0, 0.0, 0.0, [0.0; 3]);
-        for &[row, from, to] in members {
-            let prefix = &self.rows[row as usize];
-            let range = |sums: &[f64]| (sums[to as usize] - sums[from as usize]) / self.n;
-            let (ti, qi) = (range(&prefix.luminance), range(&prefix.squares));
-            t += ti;
-            q += qi;
-            v += (qi - ti * ti).max(0.0) / self.n;
-            if let (Some(b), Some(a)) = (prefix.xyz.get(to as usize), prefix.xyz.get(from as usize)) {
+        let (mut t, mut v, mut xyz) = (0.0, 0.0, [0.0; 3]);
+        for &member in members {
+            t += self.sums(member).0;
+            v += self.variance(member);
+            let [row, from, to] = member.map(|k| k as usize);
+            let sums = &self.rows[row].xyz;
+            if let (Some(b), Some(a)) = (sums.get(to), sums.get(from)) {
                 xyz = [0, 1, 2].map(|k| xyz[k] + b[k] - a[k]);
             }
         }
@@ -164,67 +190,79 @@ impl Reducer<'_> {
         let (value, variance) = (t * scale, v * scale * scale);
         let variance = if value > 0.0 { variance + (variance / value).powi(2) } else { variance };
         let leaf = Kept::Leaf { value, xyz };
-        if level == self.log2_res {
+        if region.level == self.log2_res {
             return Estimate { kept: leaf, cost: LAMBDA * variance, squares: value * value };
         }
-        let children =
-            self.children(level, n_incident, first_exit, n_exit, members, if t > 0.0 { q / t } else { 0.0 });
-        let squares = children.iter().map(|c| c.squares).sum::<f64>();
-        let split = children.iter().map(|c| c.cost).sum::<f64>();
-        let merged = (squares - size * value * value).max(0.0) + LAMBDA * size * variance;
-        if self.pruned && merged <= split {
-            Estimate { kept: leaf, cost: merged, squares }
+        let split = self.split(region, members);
+        let merged = (split.squares - size * value * value).max(0.0) + LAMBDA * size * variance;
+        if self.pruned && merged <= split.cost {
+            Estimate { kept: leaf, cost: merged, squares: split.squares }
         } else {
-            Estimate {
-                kept: Kept::Node(children.into_iter().map(|c| c.kept).collect()),
-                cost: split,
-                squares,
-            }
+            split
         }
     }
 
-    fn children(
-        &self,
-        level: u32,
-        n_incident: f64,
-        first_exit: u64,
-        n_exit: u64,
-        members: &[Member],
-        weight: f64,
-    ) -> Vec<Estimate> {
-        let (incident_bits, below) = match self.rank {
-            Rank::Three => (1, self.log2_res - level - 1),
-            Rank::Four => (2, 2 * (self.log2_res - level - 1)),
+    /// A region as a node, whose children are decided.
+    fn split(&self, region: Region, members: &[Member]) -> Estimate {
+        let (t, q) = members.iter().map(|&m| self.sums(m)).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        let weight = if t > 0.0 { q / t } else { 0.0 };
+        let decide = |(region, members): &(Region, Vec<Member>)| self.decide(*region, members, weight);
+        let parts = self.parts(region, members);
+        let children: Vec<_> = match region.level < 2 {
+            true => parts.par_iter().map(decide).collect(),
+            false => parts.iter().map(decide).collect(),
         };
-        let n_parts = 1usize << incident_bits;
-        let mut parts: Vec<Vec<Member>> = vec![Vec::new(); 4 * n_parts];
+        Estimate {
+            cost: children.iter().map(|c| c.cost).sum(),
+            squares: children.iter().map(|c| c.squares).sum(),
+            kept: Kept::Node(children.into_iter().map(|c| c.kept).collect()),
+        }
+    }
+
+    /// As [`Reducer::split`], the tree alone.
+    pub fn split_kept(&self, region: Region, members: &[Member]) -> Kept {
+        self.split(region, members).kept
+    }
+
+    /// The children of a region in the order of a tree's children, with what lies in each.
+    pub fn parts(&self, region: Region, members: &[Member]) -> Vec<(Region, Vec<Member>)> {
+        let bits = match self.rank {
+            Rank::Three => 1,
+            Rank::Four => 2,
+        };
+        let n_parts = 1u32 << bits;
+        let quarter = region.n_exit / 4;
+        // At the root of rank 3 all rows lie in the half d0 < ½.
+        let unused = self.rank == Rank::Three && region.level == 0;
+        let n_rows = if unused { region.n_rows } else { region.n_rows / n_parts };
+        let mut parts: Vec<_> = (0..4 * n_parts)
+            .map(|k| {
+                let (incident, exit) = (k & (n_parts - 1), k >> bits);
+                let part = Region {
+                    level: region.level + 1,
+                    first_row: region.first_row + incident * n_rows,
+                    n_rows: if unused && incident == 1 { 0 } else { n_rows },
+                    first_exit: region.first_exit + u64::from(exit) * quarter,
+                    n_exit: quarter,
+                };
+                (part, Vec::new())
+            })
+            .collect();
         for &[row, from, to] in members {
-            let incident = (row >> below) as usize & (n_parts - 1);
+            let incident = (row - region.first_row) / n_rows;
             let cells = &self.rows[row as usize].cells;
             let mut begin = from;
             for exit in 0..4 {
-                let border = first_exit + (exit + 1) * (n_exit / 4);
-                let end = begin
-                    + cells[begin as usize..to as usize].partition_point(|&c| u64::from(c) < border) as u32;
+                let border = region.first_exit + u64::from(exit + 1) * quarter;
+                let range = &cells[begin as usize..to as usize];
+                let end = begin + range.partition_point(|&c| u64::from(c) < border) as u32;
                 if end > begin {
-                    parts[incident | (exit as usize) << incident_bits].push([row, begin, end]);
+                    parts[(incident | exit << bits) as usize].1.push([row, begin, end]);
                 }
                 begin = end;
             }
         }
-        // The half of rank 3 that no incident direction has.
-        let unused = |k: usize| self.rank == Rank::Three && level == 0 && k & 1 == 1;
-        let n_used = if self.rank == Rank::Three && level == 0 { 1.0 } else { n_parts as f64 };
-        let decide = |(k, members): (usize, &Vec<Member>)| {
-            let n_incident = if unused(k) { 0.0 } else { n_incident / n_used };
-            let first_exit = first_exit + (k >> incident_bits) as u64 * (n_exit / 4);
-            self.node(level + 1, n_incident, first_exit, n_exit / 4, members, weight)
-        };
-        if level < 2 {
-            parts.par_iter().enumerate().map(decide).collect()
-        } else {
-            parts.iter().enumerate().map(decide).collect()
-        }
+        parts
     }
 }
 

@@ -354,3 +354,32 @@ fn a_rough_metal_has_the_albedo_of_its_lobe() {
         assert!(total <= 1.0);
     }
 }
+
+#[test]
+fn merging_cells_keeps_the_light_of_every_direction() {
+    let blinds = Device::from_spec("blinds:angle=30").unwrap();
+    let options = Options { samples: 1000, ..tree(Rank::Four, 4) };
+    let (merged, full) =
+        (run(&blinds, &options), run(&blinds, &Options { pruned: false, ..options.clone() }));
+    for side in [bsdftree::Side::Front, bsdftree::Side::Back] {
+        for k in 0..256 {
+            let square = [k / 16, k % 16].map(|c| (f64::from(c) + 0.5) / 16.0);
+            let incident = side.direction_from_disk(bsdftree::square::disk_from_square(square));
+            for lobes in [Lobes::Reflection, Lobes::Transmission] {
+                let total = |bsdf| visible(bsdf).hemispherical(incident, lobes);
+                let counted = total(&full);
+                // 5 %, or three standard errors of a count, or half a percent.
+                let noise = 3.0 * (counted * (1.0 - counted).max(0.0) / 1000.0).sqrt();
+                let limit = (0.05 * counted).max(noise).max(0.005) + 1e-6;
+                assert!(
+                    (total(&merged) - counted).abs() <= limit,
+                    "{incident:?}: {} {counted}",
+                    total(&merged)
+                );
+            }
+            assert!(visible(&merged).hemispherical(incident, Lobes::All) <= 1.01);
+        }
+    }
+    let n = |bsdf| visible(bsdf).components().map(|(_, c)| c.luminance.n_values()).sum::<usize>();
+    assert!(n(&merged) < n(&full) / 2, "{} of {} leaves", n(&merged), n(&full));
+}

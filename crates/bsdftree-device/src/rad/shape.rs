@@ -22,7 +22,7 @@ pub(super) enum Shaped {
 /// How many real arguments a surface type takes; polygons take three a vertex.
 pub(super) fn expected_reals(kind: &str, n: usize) -> Option<&'static str> {
     let (right, expected) = match kind {
-        "polygon" => (n >= 9 && n % 3 == 0, "three coordinates for each of at least three vertices"),
+        "polygon" => (n >= 9 && n.is_multiple_of(3), "three coordinates for each of at least three vertices"),
         "sphere" | "bubble" => (n == 4, "4 real arguments (centre, radius)"),
         "cylinder" | "tube" => (n == 7, "7 real arguments (two ends, radius)"),
         "cone" | "cup" => (n == 8, "8 real arguments (two ends, two radii)"),

@@ -72,10 +72,10 @@ fn plan(tree: &[Pair], n_triangles: usize) -> Vec<Plan> {
         let mut plan = Plan { n_triangles: left.n_triangles + right.n_triangles, ..empty };
         let (children_cost, left_of_node) = share(WIDTH);
         (plan.cost[0], plan.left_of_node) = (children_cost + area * NODE_COST, left_of_node);
-        if let Some(cost) = leaf_cost(pair.count, plan.n_triangles) {
-            if area * cost <= plan.cost[0] {
-                (plan.cost[0], plan.left_of_node) = (area * cost, 0);
-            }
+        if let Some(cost) = leaf_cost(pair.count, plan.n_triangles)
+            && area * cost <= plan.cost[0]
+        {
+            (plan.cost[0], plan.left_of_node) = (area * cost, 0);
         }
         for i in 1..WIDTH - 1 {
             let (cost, k) = share(i + 1);

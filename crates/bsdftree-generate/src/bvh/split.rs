@@ -90,10 +90,10 @@ fn sah_split(boxes: &[Bounds], items: &mut [u32]) -> Option<usize> {
             *bounds = bounds.union(&boxes[i as usize]);
             *count += 1;
         }
-        if let Some((cost, plane)) = cheapest_plane(&bins[..n_bins]) {
-            if best.is_none_or(|b| cost < b.0) {
-                best = Some((cost, axis, plane));
-            }
+        if let Some((cost, plane)) = cheapest_plane(&bins[..n_bins])
+            && best.is_none_or(|b| cost < b.0)
+        {
+            best = Some((cost, axis, plane));
         }
     }
     let (_, axis, plane) = best?;

@@ -61,7 +61,7 @@ fn any_material(random: &mut Random) -> Material {
                 color: rgb(random),
                 specular: fraction(random),
                 roughness: [fraction(random), fraction(random)].map(|r| 0.5 * r),
-                orientation: (random.next_u32() % 2 == 0).then(|| 3.0 * direction(random)),
+                orientation: random.next_u32().is_multiple_of(2).then(|| 3.0 * direction(random)),
                 transmission: transmits * fraction(random),
                 transmitted_specular: transmits * fraction(random),
             })

@@ -110,7 +110,7 @@ fn grid(
         return Ok(Slot::leaf(value));
     }
     let (n, d) = (values.len(), rank.dimensions());
-    if !n.is_power_of_two() || n.ilog2() as usize % d != 0 {
+    if !n.is_power_of_two() || !(n.ilog2() as usize).is_multiple_of(d) {
         let [first, second, third] = [1, 2, 3].map(|k| 1usize << (d * k));
         let expected = format!("1, {first}, {second}, {third} … of them, as rank {d} has");
         return Err(XmlError::new(

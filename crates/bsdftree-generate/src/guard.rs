@@ -1,0 +1,168 @@
+//! Keeps the light of each incident direction: leaves shared by many directions may not, together, give one of them too much.
+//!
+//! A leaf's mean is right for its incident cells together, not for each. Over all leaves that an incident cell meets, the
+//! differences may add up, even to more light than came in. Where the tree's total P of a cell differs from the counted total H by more
+//! than a tolerance, and by more than noise explains, leaves are split (each to its cheapest tree with at least one split).
+//! A leaf's score is what it contributes to the differences of all its cells: systematic contributions add up over cells, noise cancels.
+//! Leaves are split in the order of their score, as many as would remove all excess if splitting removed their contribution, and
+//! this is repeated until no total differs, or nothing is left to split.
+
+use rayon::prelude::*;
+
+use crate::reduce::{Kept, Member, Reducer, Region};
+
+/// Tolerated |P − H| relative to H …
+const TOLERANCE: f64 = 0.05;
+/// … and relative to the standard error of H …
+const ERRORS: f64 = 3.0;
+/// … and absolutely: half a percent of the incident light.
+const FLOOR: f64 = 0.005;
+/// Tolerated excess of all scattered light over what came in, for each of the two components that share it.
+const EXCESS: f64 = 0.004;
+/// Splitting ends by itself: each round deepens a leaf. This only bounds the time.
+const MAX_ROUNDS: u32 = 40;
+
+/// The tree with leaves split until totals are kept. `headroom` is, for each incident cell, the part of the light that was counted
+/// neither as reflected nor as transmitted.
+pub(crate) fn guarded(reducer: &Reducer<'_>, kept: Kept, headroom: &[f64]) -> Kept {
+    let (root, members) = reducer.root();
+    let limits = limits(reducer, &members, headroom);
+    let mut leaves = Vec::new();
+    let shape = flattened(reducer, kept, root, &members, &mut leaves);
+    let mut sums = vec![0.0; limits.len()];
+    leaves.iter().for_each(|leaf| leaf.contributions(reducer, |row, d| sums[row as usize] += d));
+    for _ in 0..MAX_ROUNDS {
+        let mut excess: Vec<_> =
+            sums.iter().zip(&limits).map(|(sum, l)| sum.abs() - l[usize::from(*sum < 0.0)]).collect();
+        if excess.iter().all(|&e| e <= 0.0) {
+            break;
+        }
+        let wanted = leaves_to_split(reducer, &leaves, &sums, &mut excess);
+        if wanted.is_empty() {
+            break;
+        }
+        for index in wanted {
+            let leaf = &leaves[index];
+            leaf.contributions(reducer, |row, d| sums[row as usize] -= d);
+            let (region, members) = (leaf.region, leaf.members.clone());
+            let n_before = leaves.len();
+            let split =
+                flattened(reducer, reducer.split_kept(region, &members), region, &members, &mut leaves);
+            for leaf in &leaves[n_before..] {
+                leaf.contributions(reducer, |row, d| sums[row as usize] += d);
+            }
+            leaves[index].split = Some(split);
+        }
+    }
+    assembled(&shape, &leaves)
+}
+
+/// How much more, and how much less, than counted the tree may give each incident cell.
+fn limits(reducer: &Reducer<'_>, members: &[Member], headroom: &[f64]) -> Vec<[f64; 2]> {
+    let mut limits = vec![[FLOOR; 2]; headroom.len()];
+    for &member in members {
+        let row = member[0] as usize;
+        let noise = ERRORS * reducer.variance(member).sqrt();
+        let limit = (TOLERANCE * reducer.sums(member).0).max(noise).max(FLOOR);
+        limits[row] = [limit.min(0.5 * headroom[row].max(0.0) + EXCESS), limit];
+    }
+    limits
+}
+
+/// A leaf of the tree with the counts that fell into it.
+struct Leaf {
+    value: f64,
+    xyz: [f64; 3],
+    region: Region,
+    members: Vec<Member>,
+    /// What took its place.
+    split: Option<Shape>,
+}
+
+/// The tree over a list of leaves.
+enum Shape {
+    Leaf(usize),
+    Node(Vec<Shape>),
+}
+
+impl Leaf {
+    /// Calls `f` for each incident cell with how much more light the leaf gives it than was counted.
+    fn contributions(&self, reducer: &Reducer<'_>, mut f: impl FnMut(u32, f64)) {
+        if self.value == 0.0 && self.members.is_empty() {
+            return;
+        }
+        let given = self.value * reducer.omega * self.region.n_exit as f64;
+        let mut members = self.members.iter().peekable();
+        for row in self.region.first_row..self.region.first_row + self.region.n_rows {
+            let counted = members.next_if(|m| m[0] == row).map_or(0.0, |&m| reducer.sums(m).0);
+            f(row, given - counted);
+        }
+    }
+}
+
+fn flattened(
+    reducer: &Reducer<'_>,
+    kept: Kept,
+    region: Region,
+    members: &[Member],
+    leaves: &mut Vec<Leaf>,
+) -> Shape {
+    match kept {
+        Kept::Leaf { value, xyz } => {
+            leaves.push(Leaf { value, xyz, region, members: members.to_vec(), split: None });
+            Shape::Leaf(leaves.len() - 1)
+        }
+        Kept::Node(children) => {
+            let parts = reducer.parts(region, members);
+            let children = children.into_iter().zip(&parts);
+            Shape::Node(
+                children.map(|(child, (part, m))| flattened(reducer, child, *part, m, leaves)).collect(),
+            )
+        }
+    }
+}
+
+fn assembled(shape: &Shape, leaves: &[Leaf]) -> Kept {
+    match shape {
+        Shape::Leaf(index) => match &leaves[*index] {
+            Leaf { split: Some(split), .. } => assembled(split, leaves),
+            Leaf { value, xyz, .. } => Kept::Leaf { value: *value, xyz: *xyz },
+        },
+        Shape::Node(children) => Kept::Node(children.iter().map(|child| assembled(child, leaves)).collect()),
+    }
+}
+
+/// Leaves to split, best first; takes what they would remove from the excess.
+fn leaves_to_split(reducer: &Reducer<'_>, leaves: &[Leaf], sums: &[f64], excess: &mut [f64]) -> Vec<usize> {
+    struct Candidate {
+        leaf: usize,
+        score: f64,
+        /// What it contributes to the cells that deviate, in the direction of their deviation.
+        parts: Vec<(u32, f64)>,
+    }
+    let candidate = |(index, leaf): (usize, &Leaf)| {
+        if leaf.split.is_some() || leaf.region.level == reducer.log2_res || leaf.members.is_empty() {
+            return None;
+        }
+        let mut parts = Vec::new();
+        leaf.contributions(reducer, |row, d| {
+            if excess[row as usize] > 0.0 {
+                parts.push((row, d * sums[row as usize].signum()));
+            }
+        });
+        let score: f64 = parts.iter().map(|(_, d)| d).sum();
+        (score > 0.0).then_some(Candidate { leaf: index, score, parts })
+    };
+    let mut candidates: Vec<_> = leaves.par_iter().enumerate().filter_map(candidate).collect();
+    candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+    let mut wanted = Vec::new();
+    for candidate in candidates {
+        if candidate.parts.iter().any(|&(row, d)| d > 0.0 && excess[row as usize] > 0.0) {
+            wanted.push(candidate.leaf);
+            for (row, d) in candidate.parts {
+                excess[row as usize] -= d.max(0.0);
+            }
+        }
+    }
+    wanted
+}
