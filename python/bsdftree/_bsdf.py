@@ -291,7 +291,7 @@ class Bsdf:
         --------
         >>> b = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.full((1, 1, 1, 1), 0.5 / np.pi))})
         >>> s = b.sample([0, 0, 1], np.linspace(0, 1, 8, endpoint=False))
-        >>> s.exitant.shape, float(s.weight[0])
+        >>> s.exitant.shape, round(float(s.weight[0]), 6)
         ((8, 3), 0.5)
         """
         i, shape = as_rows("incident", incident)
