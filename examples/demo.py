@@ -13,13 +13,14 @@ import sys
 import time
 from pathlib import Path
 
-import bsdftree
 import numpy as np
 import pyradiance
-from bsdftree import plot
-from bsdftree.cli._progress import PathsBar
 from rich.console import Console
 from rich.table import Table
+
+import bsdftree
+from bsdftree import plot
+from bsdftree.cli._progress import PathsBar
 
 DEVICES = {
     "mirror": ("mirror", {"rank": 3, "log2_res": 4}),
