@@ -123,6 +123,20 @@ def refuses(path: os.PathLike[str]) -> bool:
     return False
 
 
+def generate(device: Path, into: Path, *, rank: int = 0, log2_res: int = 0, samples: int, basis: str = "kq") -> Path:
+    """Generate a BSDF as genBSDF does (its settings, rfluxmtx); of a tree, nothing is culled or averaged.
+
+    Rank 0 is Klems of a basis (kf, kh, kq). Rays are as many as `samples` or some more for each incident cell.
+    """
+    from pyradiance.genbsdf import generate_bsdf, generate_xml
+
+    made = generate_bsdf(
+        str(device), tensortree=rank, ttlog2=log2_res, basis=basis, nsamp=samples, nproc=2, pctcull=0, recip=False
+    )
+    into.write_bytes(generate_xml(vis_results=made, basis=f"t{rank}" if rank else basis))
+    return into
+
+
 def _answer(path: str, pairs: Any, resolution: Any, incident: Any, sample: Any) -> dict[str, np.ndarray]:
     import pyradiance.bsdf as library
 
