@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use bsdftree::bsdf::LengthUnit;
 use bsdftree::xml::{self, Fault, Strictness};
-use bsdftree::{Band, Component, Lobes, Part, Scattering};
+use bsdftree::{Band, Component, Direction, Lobes, Part, Scattering};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -37,6 +37,34 @@ impl Bsdf {
             let names: Vec<_> = self.bsdf.bands.iter().map(|b| b.name.as_str()).collect();
             PyValueError::new_err(format!("no band {name:?}; the file has {}", names.join(", ")))
         })
+    }
+
+    /// `f` for each pair of directions, without the interpreter.
+    fn over_pairs<T: Send>(
+        &self,
+        py: Python<'_>,
+        band: &str,
+        incident: &Directions<'_>,
+        exitant: &Directions<'_>,
+        f: impl Fn(&Band, Direction, Direction) -> T + Sync,
+    ) -> PyResult<Vec<T>> {
+        let band = self.band(band)?;
+        let (i, o) = (directions(incident, "incident")?, directions(exitant, "exitant")?);
+        same_length(i.len(), o.len())?;
+        Ok(py.detach(|| i.iter().zip(o).map(|(&i, &o)| f(band, i, o)).collect()))
+    }
+
+    /// `f` for each incident direction, without the interpreter.
+    fn over_incident<T: Send>(
+        &self,
+        py: Python<'_>,
+        band: &str,
+        incident: &Directions<'_>,
+        f: impl Fn(&Band, Direction) -> T + Sync,
+    ) -> PyResult<Vec<T>> {
+        let band = self.band(band)?;
+        let i = directions(incident, "incident")?;
+        Ok(py.detach(|| i.iter().map(|&i| f(band, i)).collect()))
     }
 }
 
@@ -157,11 +185,7 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let band = self.band(band)?;
-        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
-        same_length(i.len(), o.len())?;
-        let values = py.detach(|| i.iter().zip(o).map(|(&i, &o)| band.eval(i, o)).collect());
-        Ok(PyArray1::from_vec(py, values))
+        Ok(PyArray1::from_vec(py, self.over_pairs(py, band, &incident, &exitant, Band::eval)?))
     }
 
     fn eval_xyz<'py>(
@@ -171,10 +195,7 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let band = self.band(band)?;
-        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
-        same_length(i.len(), o.len())?;
-        rows(py, py.detach(|| i.iter().zip(o).map(|(&i, &o)| band.eval_xyz(i, o)).collect()))
+        rows(py, self.over_pairs(py, band, &incident, &exitant, Band::eval_xyz)?)
     }
 
     fn pdf<'py>(
@@ -185,10 +206,8 @@ impl Bsdf {
         exitant: Directions<'py>,
         part: &str,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (band, lobes) = (self.band(band)?, lobes(part)?);
-        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
-        same_length(i.len(), o.len())?;
-        let values = py.detach(|| i.iter().zip(o).map(|(&i, &o)| band.pdf(i, o, lobes)).collect());
+        let lobes = lobes(part)?;
+        let values = self.over_pairs(py, band, &incident, &exitant, |band, i, o| band.pdf(i, o, lobes))?;
         Ok(PyArray1::from_vec(py, values))
     }
 
@@ -222,9 +241,9 @@ impl Bsdf {
         incident: Directions<'py>,
         part: &str,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (band, lobes) = (self.band(band)?, lobes(part)?);
-        let i = directions(&incident, "incident")?;
-        Ok(PyArray1::from_vec(py, py.detach(|| i.iter().map(|&i| band.hemispherical(i, lobes)).collect())))
+        let lobes = lobes(part)?;
+        let values = self.over_incident(py, band, &incident, |band, i| band.hemispherical(i, lobes))?;
+        Ok(PyArray1::from_vec(py, values))
     }
 
     /// NaN where there is no component.
@@ -235,11 +254,8 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let band = self.band(band)?;
-        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
-        same_length(i.len(), o.len())?;
-        let angle = |(&i, &o)| band.projected_solid_angle(i, o).unwrap_or(f64::NAN);
-        Ok(PyArray1::from_vec(py, py.detach(|| i.iter().zip(o).map(angle).collect())))
+        let angle = |band: &Band, i, o| band.projected_solid_angle(i, o).unwrap_or(f64::NAN);
+        Ok(PyArray1::from_vec(py, self.over_pairs(py, band, &incident, &exitant, angle)?))
     }
 
     /// Smallest and largest, NaN where there is no component.
@@ -250,10 +266,9 @@ impl Bsdf {
         incident: Directions<'py>,
         part: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (band, lobes) = (self.band(band)?, lobes(part)?);
-        let i = directions(&incident, "incident")?;
-        let range = |&i| band.projected_solid_angle_range(i, lobes).unwrap_or([f64::NAN; 2]);
-        rows(py, py.detach(|| i.iter().map(range).collect()))
+        let lobes = lobes(part)?;
+        let range = |band: &Band, i| band.projected_solid_angle_range(i, lobes).unwrap_or([f64::NAN; 2]);
+        rows(py, self.over_incident(py, band, &incident, range)?)
     }
 
     /// The Lambertian part of each component.
