@@ -4,8 +4,8 @@
 
 Radiance's library is asked as Python programs can: one call for a pair (`query`), one for a direction (`sample`). What
 such a call costs by itself is measured with a Lambertian file and stands in the remarks. Generation is genBSDF's
-method, rfluxmtx with its settings, by `pyradiance.genbsdf`. One of its primaries sends out up to 700 rays where it meets
-a diffuse surface and ours follows one path, so that the last rows compare what counts: CPU time for equal noise.
+method, rfluxmtx with its settings, by `pyradiance.genbsdf`. One of its primaries sends out up to 700 rays where it
+meets a diffuse surface and ours follows one path, so that the last rows compare what counts: CPU time for equal noise.
 """
 
 from __future__ import annotations
