@@ -2,7 +2,8 @@
 
 Compared are fractions of light from each incident cell to each exitant cell, f · Ω. The mean of n paths has at most the
 variance p(1 − p)/n of a count, because a path carries a weight of at most 1. Ours have many more paths, so that
-noise is nearly all Radiance's. Significance 1e-3 for all cells of a component together (Bonferroni).
+noise is nearly all Radiance's. Significance 1e-6 for all cells of a component together (Bonferroni): Radiance's random
+numbers differ in each run.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from bsdftree import Bsdf, Device, Matrix, Tree
 pytestmark = needs_radiance
 
 OURS = 20_000
-SIGNIFICANCE = 1e-3
+SIGNIFICANCE = 1e-6
 BLINDS = "blinds:angle=30,height=0.4,width=0.4"
 PANE = """
 void {material} 0 0 3 {value} {value} {value}
@@ -77,8 +78,8 @@ def assert_alike(theirs: Bsdf, ours: Bsdf, n_theirs: int, log2_res: int = 0, tot
                 f"|z| at most {abs(z).max():.2f} (limit {limit:.2f}), mean z² {(z**2).mean():.2f}"
             )
             assert abs(z).max() < limit, (key, group)
-            # A mean over k cells of at most 1, with 4 standard deviations of χ²/k.
-            assert (z**2).mean() < 1 + 4 * np.sqrt(2 / z.size), (key, group)
+            # A mean over k cells of at most 1, with 5 standard deviations of χ²/k.
+            assert (z**2).mean() < 1 + 5 * np.sqrt(2 / z.size), (key, group)
 
 
 @pytest.fixture
@@ -147,7 +148,7 @@ def test_published_klems_matrix_of_real_blinds_is_ours(data, glazed_blinds):
         z = z_scores(theirs, 10_000, ours, 4000)
         print(f"{key}: total {weights @ theirs:.4f} {weights @ (theirs - ours):+.4f}, |z| at most {abs(z).max():.2f}")
         assert abs(z).max() < NormalDist().inv_cdf(1 - SIGNIFICANCE / 2 / z.size)
-        assert (z**2).mean() < 1 + 4 * np.sqrt(2 / z.size)
+        assert (z**2).mean() < 1 + 5 * np.sqrt(2 / z.size)
 
 
 def test_published_rank_3_tree_of_real_blinds_is_ours_where_it_was_sampled(data, glazed_blinds):
@@ -173,11 +174,14 @@ def test_differences_are_no_larger_than_radiances_own_noise(device, tmp_path):
     ours = bsdftree.generate(path, klems="quarter", samples=10 * OURS, seed=9)
     for key, component in ours.components.items():
         x, y, o = (fractions(c, 0) for c in (a.components[key], b.components[key], component))
-        noise, difference = (x - y) ** 2 / 4, ((x + y) / 2 - o) ** 2
+        # Over the expected count, so that all cells weigh alike.
+        lit = o > 1e-3
+        noise, difference = ((x - y) ** 2 / 4 / o)[lit], (((x + y) / 2 - o) ** 2 / o)[lit]
         n_effective = noise.sum() ** 2 / (noise**2).sum()
-        ratio, limit = difference.sum() / noise.sum(), 1 + 3.3 * np.sqrt(4 / n_effective)
-        print(f"{key}: {ratio:.2f} (limit {limit:.2f}, {n_effective:.0f} cells)")
-        assert 0 < ratio < limit
+        # The logarithm of the ratio of two means of n squares has variance 4/n.
+        ratio, limit = difference.sum() / noise.sum(), np.exp(5 * np.sqrt(4 / n_effective))
+        print(f"{key}: {ratio:.2f} (limit {limit:.2f}, {n_effective:.0f} of {lit.sum()} cells)")
+        assert 1 / limit < ratio < limit
 
 
 def test_our_own_noise_is_within_the_bound(device):
@@ -187,4 +191,4 @@ def test_our_own_noise_is_within_the_bound(device):
     for key in a.components:
         z = z_scores(fractions(a.components[key], 0), 1000, fractions(b.components[key], 0), 1000)
         print(f"{key}: mean z² of {z.size} cells {(z**2).mean():.2f}")
-        assert 0.05 < (z**2).mean() < 1 + 4 * np.sqrt(2 / z.size)
+        assert 0.05 < (z**2).mean() < 1 + 5 * np.sqrt(2 / z.size)
