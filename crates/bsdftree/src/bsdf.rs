@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::direction::{Direction, Side};
-use crate::klems::Matrix;
-use crate::tree::{Rank, Tree};
+use crate::klems::{Matrix, MatrixLobe};
+use crate::tree::{Rank, Tree, TreeLobe};
 
 /// One function of incident and exitant direction: a tree or a matrix.
 #[derive(Clone, Debug)]
@@ -271,26 +271,17 @@ impl Scattering {
         }
     }
 
-    /// Directional-hemispherical total.
-    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
+    /// The function for one incident direction.
+    pub fn lobe(&self, incident: Direction, reversed: bool) -> Lobe<'_> {
         match self {
-            Scattering::Tree(tree) => tree.hemispherical(incident, reversed),
-            Scattering::Matrix(matrix) => matrix.hemispherical(incident, reversed),
+            Scattering::Tree(tree) => Lobe::Tree(tree.lobe(incident, reversed)),
+            Scattering::Matrix(matrix) => Lobe::Matrix(matrix.lobe(incident, reversed)),
         }
     }
 
-    /// A point of the exitant disk, chosen in proportion to BSDF × projected solid angle, and the BSDF there \[1/sr\].
-    pub fn sample(
-        &self,
-        incident: Direction,
-        u: f64,
-        v: Option<f64>,
-        reversed: bool,
-    ) -> Option<([f64; 2], f64)> {
-        match self {
-            Scattering::Tree(tree) => tree.sample(incident, u, v, reversed),
-            Scattering::Matrix(matrix) => matrix.sample(incident, u, v, reversed),
-        }
+    /// Directional-hemispherical total.
+    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
+        self.lobe(incident, reversed).total()
     }
 
     /// Projected solid angle \[sr\] of the cell that holds the exitant direction.
@@ -355,6 +346,35 @@ impl Scattering {
             Scattering::Tree(tree) if tree.rank() == Rank::Three => "TensorTree3",
             Scattering::Tree(_) => "TensorTree4",
             Scattering::Matrix(_) => "Columns",
+        }
+    }
+}
+
+/// A function for one incident direction: where the light goes.
+pub enum Lobe<'a> {
+    /// Of a tree.
+    Tree(TreeLobe<'a>),
+    /// Of a matrix.
+    Matrix(MatrixLobe<'a>),
+}
+
+impl Lobe<'_> {
+    /// Directional-hemispherical total.
+    #[inline]
+    pub fn total(&self) -> f64 {
+        match self {
+            Lobe::Tree(lobe) => lobe.total(),
+            Lobe::Matrix(lobe) => lobe.total(),
+        }
+    }
+
+    /// A point of the exitant disk, chosen in proportion to BSDF × projected solid angle, and the BSDF there \[1/sr\]; `None`
+    /// where it is black.
+    #[inline]
+    pub fn sample(&self, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
+        match self {
+            Lobe::Tree(lobe) => lobe.sample(u, v),
+            Lobe::Matrix(lobe) => lobe.sample(u, v),
         }
     }
 }

@@ -195,7 +195,8 @@ fn reciprocity(band: &Band, part: Part) -> Option<Reciprocity> {
     for k in 0..N {
         let [s, t, u] = STEP.map(|step| (0.5 + step * k as f64).fract());
         let incident = part.incident_side().direction_from_disk(disk_from_square([s, t]));
-        let Some((disk, a)) = forward.sample(incident, u, None, false) else { continue };
+        let lobe = forward.lobe(incident, false);
+        let Some((disk, a)) = lobe.sample(u, None) else { continue };
         let exitant = part.exitant_side().direction_from_disk(disk);
         let difference = |exitant| {
             let b = backward.eval(incident, exitant, true);
@@ -206,7 +207,7 @@ fn reciprocity(band: &Band, part: Part) -> Option<Reciprocity> {
             true => difference(exitant).min(difference(mirrored(exitant, incident))),
             false => difference(exitant),
         };
-        let flux = forward.hemispherical(incident, false);
+        let flux = lobe.total();
         sum += flux * difference;
         weight += flux;
         max = max.max(difference);

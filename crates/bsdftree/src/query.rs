@@ -3,9 +3,12 @@
 //! Directions are unit vectors away from the surface; which side they lie on chooses the component
 //! ([`Band::answering`]). The BSDF has no cosine: multiply by |cos θ_exitant| to render.
 
-use crate::bsdf::{Band, Component, Scattering};
+use crate::bsdf::{Band, Component, Lobe, Scattering};
 use crate::color::xyz_from_yuv;
 use crate::direction::{Direction, Side};
+
+/// The largest number below 1.
+const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A direction sampled from a BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,21 +67,30 @@ impl Band {
     /// A direction chosen in proportion to BSDF × |cos θ|, from one number in \[0, 1), or two. Stratified numbers give
     /// stratified directions: `u` runs along a Hilbert curve through the reflected hemisphere, then the transmitted one.
     pub fn sample(&self, incident: Direction, u: f64, v: Option<f64>, lobes: Lobes) -> Sample {
-        let total = self.hemispherical(incident, lobes);
-        let mut target = u * total;
-        let mut exits = self.exits(incident, lobes).peekable();
-        while let Some((side, scattering, reversed)) = exits.next() {
-            let part = scattering.hemispherical(incident, reversed);
-            if target < part || (exits.peek().is_none() && part > 0.0) {
-                let inside = (target / part).min(1.0 - f64::EPSILON);
-                if let Some((disk, value)) = scattering.sample(incident, inside, v, reversed) {
-                    let exitant = side.direction_from_disk(disk);
-                    return Sample { exitant, pdf: value * exitant[2].abs() / total, weight: total };
-                }
+        let mut exits = self.exits(incident, lobes).map(|(side, function, reversed)| {
+            let lobe = function.lobe(incident, reversed);
+            (side, lobe.total(), lobe)
+        });
+        let (first, second) = (exits.next(), exits.next());
+        let total_of =
+            |exit: &Option<(Side, f64, Lobe<'_>)>| exit.as_ref().map_or(0.0, |(_, total, _)| *total);
+        let (before, after) = (total_of(&first), total_of(&second));
+        let total = before + after;
+        let target = u * total;
+        // Rounding never chooses a side that is black.
+        let (exit, inside) = if target < before || after <= 0.0 {
+            (first, target / before)
+        } else {
+            (second, (target - before) / after)
+        };
+        let sampled = exit.and_then(|(side, _, lobe)| Some((side, lobe.sample(inside.min(BELOW_ONE), v)?)));
+        match sampled {
+            Some((side, (disk, value))) => {
+                let exitant = side.direction_from_disk(disk);
+                Sample { exitant, pdf: value * exitant[2].abs() / total, weight: total }
             }
-            target -= part;
+            None => Sample { exitant: incident, pdf: 0.0, weight: 0.0 },
         }
-        Sample { exitant: incident, pdf: 0.0, weight: 0.0 }
     }
 
     /// Density \[1/sr of solid angle\] with which [`Band::sample`] chooses `exitant`.

@@ -69,29 +69,11 @@ impl Matrix {
         f64::from(self.values[i * self.exitant.n_patches() + o])
     }
 
-    /// Directional-hemispherical total; reversed as in [`Tree::hemispherical`](crate::tree::Tree::hemispherical).
-    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
-        self.slice(incident, reversed).total()
-    }
-
-    /// As [`Tree::sample`](crate::tree::Tree::sample).
-    pub fn sample(
-        &self,
-        incident: Direction,
-        u: f64,
-        v: Option<f64>,
-        reversed: bool,
-    ) -> Option<([f64; 2], f64)> {
-        let (patch, rest) = self.slice(incident, reversed).find(u)?;
-        let [u, v] = unfold(rest, v);
-        let n_exitant = self.exitant.n_patches();
-        Some(if reversed {
-            let value = self.values[patch * n_exitant + self.exitant.patch(incident)];
-            (self.incident.disk_point(patch, u, v).map(|c| -c), f64::from(value))
-        } else {
-            let value = self.values[self.incident.patch(opposite(incident)) * n_exitant + patch];
-            (self.exitant.disk_point(patch, u, v), f64::from(value))
-        })
+    /// The matrix for light from `incident`; reversed as [`Tree::lobe`](crate::tree::Tree::lobe).
+    pub fn lobe(&self, incident: Direction, reversed: bool) -> MatrixLobe<'_> {
+        let patch =
+            if reversed { self.exitant.patch(incident) } else { self.incident.patch(opposite(incident)) };
+        MatrixLobe { matrix: self, patch, reversed, cumulative: &self.cumulative(reversed)[patch] }
     }
 
     /// Projected solid angle \[sr\] of the exitant patch of a pair of directions.
@@ -116,24 +98,52 @@ impl Matrix {
         self.values.iter().copied().fold(f32::INFINITY, f32::min)
     }
 
-    fn slice(&self, incident: Direction, reversed: bool) -> &Cumulative {
+    /// Cumulative sums of each incident patch over the exitant ones, or the other way round.
+    fn cumulative(&self, reversed: bool) -> &[Cumulative] {
         let n_exitant = self.exitant.n_patches();
-        if reversed {
-            let all = self.cumulative[1].get_or_init(|| {
-                let areas: Vec<f64> = areas(&self.incident);
+        self.cumulative[usize::from(reversed)].get_or_init(|| {
+            if reversed {
+                let areas = areas(&self.incident);
                 let weight = |i: usize, o: usize| f64::from(self.values[i * n_exitant + o]) * areas[i];
                 (0..n_exitant).map(|o| Cumulative::new((0..areas.len()).map(|i| weight(i, o)))).collect()
-            });
-            &all[self.exitant.patch(incident)]
-        } else {
-            let all = self.cumulative[0].get_or_init(|| {
-                let areas: Vec<f64> = areas(&self.exitant);
+            } else {
+                let areas = areas(&self.exitant);
                 let row =
                     |row: &[f32]| Cumulative::new(row.iter().zip(&areas).map(|(&f, a)| f64::from(f) * a));
                 self.values.chunks_exact(n_exitant).map(row).collect()
-            });
-            &all[self.incident.patch(opposite(incident))]
-        }
+            }
+        })
+    }
+}
+
+/// A matrix for one incident direction.
+pub struct MatrixLobe<'a> {
+    matrix: &'a Matrix,
+    /// Incident patch, or, reversed, the exitant patch that the incident direction lies in.
+    patch: usize,
+    reversed: bool,
+    cumulative: &'a Cumulative,
+}
+
+impl MatrixLobe<'_> {
+    /// Directional-hemispherical total.
+    pub fn total(&self) -> f64 {
+        self.cumulative.total()
+    }
+
+    /// As [`TreeLobe::sample`](crate::tree::TreeLobe::sample).
+    pub fn sample(&self, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
+        let (patch, rest) = self.cumulative.find(u)?;
+        let [u, v] = unfold(rest, v);
+        let matrix = self.matrix;
+        let n_exitant = matrix.exitant.n_patches();
+        Some(if self.reversed {
+            let value = matrix.values[patch * n_exitant + self.patch];
+            (matrix.incident.disk_point(patch, u, v).map(|c| -c), f64::from(value))
+        } else {
+            let value = matrix.values[self.patch * n_exitant + patch];
+            (matrix.exitant.disk_point(patch, u, v), f64::from(value))
+        })
     }
 }
 

@@ -4,4 +4,4 @@ mod basis;
 mod matrix;
 
 pub use basis::{Basis, MAX_PATCHES, Ring};
-pub use matrix::Matrix;
+pub use matrix::{Matrix, MatrixLobe};

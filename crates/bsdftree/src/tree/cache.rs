@@ -1,51 +1,84 @@
 //! Slices of a tree, made when they are first asked for and kept while memory allows.
 //!
-//! What is kept never changes a result: a slice is a pure function of the tree and the incident cell.
+//! What is kept never changes a result: a slice is a pure function of the tree and the incident cell. Reading one that
+//! is kept takes no lock.
 
-use std::collections::HashMap;
-use std::sync::{Arc, PoisonError, RwLock};
+use std::ops::Deref;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::tree::arena::Arena;
+use crate::tree::arena::{Arena, Rank};
 use crate::tree::slice::Slice;
 
-const N_SHARDS: usize = 64;
-/// Bound on the slices of one tree \[byte\]; a full shard is emptied before more is kept.
+/// Most slices of one tree that are kept: all of them up to 2^10 cells per axis.
+const MAX_SLOTS: usize = 1 << 20;
+/// Memory of the slices of one tree at which no more are kept \[byte\].
 const MAX_BYTES: usize = 256 << 20;
 
-#[derive(Default)]
-struct Shard {
-    slices: HashMap<[u32; 2], Arc<Slice>>,
-    n_bytes: usize,
+struct Kept {
+    cell: [u32; 2],
+    slice: Slice,
 }
 
 /// The slices of one tree.
+#[derive(Default)]
 pub(super) struct SliceCache {
-    shards: Box<[RwLock<Shard>; N_SHARDS]>,
+    /// By incident cell; finer trees share a slot among several cells, and the first one has it.
+    slots: OnceLock<Box<[OnceLock<Box<Kept>>]>>,
+    n_bytes: AtomicUsize,
 }
 
-impl Default for SliceCache {
-    fn default() -> Self {
-        SliceCache { shards: Box::new(std::array::from_fn(|_| RwLock::default())) }
+/// A slice that is kept, or one made for this use.
+pub(super) enum SliceRef<'a> {
+    Kept(&'a Slice),
+    Made(Box<Slice>),
+}
+
+impl Deref for SliceRef<'_> {
+    type Target = Slice;
+
+    #[inline]
+    fn deref(&self) -> &Slice {
+        match self {
+            SliceRef::Kept(slice) => slice,
+            SliceRef::Made(slice) => slice,
+        }
     }
 }
 
 impl SliceCache {
     /// The slice over an incident cell at the tree's own resolution.
-    pub fn slice(&self, arena: &Arena, cell: [u32; 2]) -> Arc<Slice> {
-        // Neighbouring cells land in different shards.
-        let shard = &self.shards[(cell[0] as usize + 7 * cell[1] as usize) % N_SHARDS];
-        if let Some(slice) = shard.read().unwrap_or_else(PoisonError::into_inner).slices.get(&cell) {
-            return Arc::clone(slice);
+    #[inline]
+    pub fn slice(&self, arena: &Arena, cell: [u32; 2]) -> SliceRef<'_> {
+        let bits = match arena.rank() {
+            Rank::Three => arena.log2_res(),
+            Rank::Four => 2 * arena.log2_res(),
+        };
+        let slots =
+            self.slots.get_or_init(|| (0..(1 << bits).min(MAX_SLOTS)).map(|_| OnceLock::new()).collect());
+        let index =
+            (u64::from(cell[1]) << arena.log2_res() | u64::from(cell[0])) as usize & (slots.len() - 1);
+        match slots[index].get() {
+            Some(kept) if kept.cell == cell => SliceRef::Kept(&kept.slice),
+            other => self.made(arena, cell, other.is_none().then_some(&slots[index])),
         }
-        let slice = Arc::new(Slice::new(arena, cell));
-        let n_bytes = slice.n_bytes();
-        let mut shard = shard.write().unwrap_or_else(PoisonError::into_inner);
-        if shard.n_bytes + n_bytes > MAX_BYTES / N_SHARDS {
-            *shard = Shard::default();
+    }
+
+    #[cold]
+    fn made<'a>(&self, arena: &Arena, cell: [u32; 2], slot: Option<&'a OnceLock<Box<Kept>>>) -> SliceRef<'a> {
+        let slice = Slice::new(arena, cell);
+        let n_bytes = slice.n_bytes() + size_of::<Kept>();
+        match slot {
+            Some(slot) if self.n_bytes.load(Ordering::Relaxed) + n_bytes <= MAX_BYTES => {
+                self.n_bytes.fetch_add(n_bytes, Ordering::Relaxed);
+                let kept = slot.get_or_init(|| Box::new(Kept { cell, slice }));
+                // Another thread may have been first, with this cell or one that shares the slot.
+                match kept.cell == cell {
+                    true => SliceRef::Kept(&kept.slice),
+                    false => SliceRef::Made(Box::new(Slice::new(arena, cell))),
+                }
+            }
+            _ => SliceRef::Made(Box::new(slice)),
         }
-        if shard.slices.insert(cell, Arc::clone(&slice)).is_none() {
-            shard.n_bytes += n_bytes;
-        }
-        slice
     }
 }

@@ -4,24 +4,24 @@
 //! for pairs of directions. Reversed queries ask for light travelling the other way.
 
 pub mod arena;
-mod cache;
 mod coordinates;
-mod reverse;
 mod slice;
+mod cache;
+mod reverse;
+mod lobe;
 mod walk;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 pub use arena::{Arena, Content, MAX_LOG2_RES, Rank, Slot, TreeBuilder, TreeError};
 pub use coordinates::Position;
+pub use lobe::TreeLobe;
 pub use walk::Leaf;
 
 use crate::direction::Direction;
-use crate::square::disk_from_square;
-use cache::SliceCache;
-use coordinates::{QUANTUM_BITS, azimuth, incident_coordinates};
+use cache::{SliceCache, SliceRef};
+use coordinates::{QUANTUM_BITS, incident_coordinates};
 use reverse::Rank3Reverse;
-use slice::Slice;
 
 /// A BSDF component as a tensor tree of rank 3 or 4. Values are \[1/sr\], without a cosine.
 pub struct Tree {
@@ -124,40 +124,6 @@ impl Tree {
         f64::from(self.value(Position::new(self.rank(), incident, exitant)))
     }
 
-    /// Directional-hemispherical total for light from `incident`, or, reversed, for light that this tree has arriving
-    /// from everywhere and leaving to `incident`.
-    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
-        match self.reversed_for(reversed, incident) {
-            Reversed::Tree(tree) => tree.slice(incident).total(),
-            Reversed::Rank3(slice) => slice.total(),
-        }
-    }
-
-    /// A point of the exitant disk chosen in proportion to the projected-solid-angle-weighted BSDF, and the BSDF there
-    /// \[1/sr\]; `None` where it is black. One number in \[0, 1), or two.
-    pub fn sample(
-        &self,
-        incident: Direction,
-        u: f64,
-        v: Option<f64>,
-        reversed: bool,
-    ) -> Option<([f64; 2], f64)> {
-        match self.reversed_for(reversed, incident) {
-            Reversed::Tree(tree) => {
-                let (square, value) = tree.slice(incident).sample(u, v)?;
-                let [x, y] = disk_from_square(square);
-                Some(match tree.rank() {
-                    Rank::Four => ([x, y], value),
-                    Rank::Three => {
-                        let [c, s] = azimuth(incident);
-                        ([c * x - s * y, s * x + c * y], value)
-                    }
-                })
-            }
-            Reversed::Rank3(slice) => slice.sample(incident[1].atan2(incident[0]), u, v),
-        }
-    }
-
     /// Projected solid angle \[sr\] of the exitant side of the leaf that holds a pair of directions.
     pub fn projected_solid_angle(&self, incident: Direction, exitant: Direction) -> f64 {
         slice::area(self.leaf_at(Position::new(self.rank(), incident, exitant)).1)
@@ -178,17 +144,7 @@ impl Tree {
         self.reversed.get_or_init(|| Box::new(Tree::new(reverse::reversed(&self.arena))))
     }
 
-    fn reversed_for(&self, reversed: bool, incident: Direction) -> Reversed<'_> {
-        match (reversed, self.rank()) {
-            (false, _) => Reversed::Tree(self),
-            (true, Rank::Four) => Reversed::Tree(self.reversed()),
-            (true, Rank::Three) => {
-                Reversed::Rank3(self.rank3_reverse(incident[0].hypot(incident[1]).min(1.0)))
-            }
-        }
-    }
-
-    fn slice(&self, incident: Direction) -> Arc<Slice> {
+    fn slice(&self, incident: Direction) -> SliceRef<'_> {
         let shift = QUANTUM_BITS - self.arena.log2_res();
         let cell = incident_coordinates(self.rank(), incident).map(|c| (c >> shift) as u32);
         self.slices.slice(&self.arena, cell)
@@ -201,11 +157,6 @@ impl Tree {
             _ => Arc::clone(last.insert(Arc::new(Rank3Reverse::new(&self.arena, sin_theta)))),
         }
     }
-}
-
-enum Reversed<'a> {
-    Tree(&'a Tree),
-    Rank3(Arc<Rank3Reverse>),
 }
 
 impl Clone for Tree {

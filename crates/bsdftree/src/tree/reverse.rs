@@ -73,15 +73,15 @@ impl Rank3Reverse {
         self.cumulative.total()
     }
 
-    /// A point of the exitant disk and the value there, as `Slice::sample`; `incident_phi` is the azimuth of the
+    /// A point of the exitant disk and the value there, as `Slice::sample`; `opposite_phi` is the azimuth opposite to the
     /// incident direction.
-    pub fn sample(&self, incident_phi: f64, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
+    pub fn sample(&self, opposite_phi: f64, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
         let (index, rest) = self.cumulative.find(u)?;
         let patch = &self.patches[index];
         let [across, along] = unfold(rest, v);
         let lerp = |[a, b]: [f64; 2], t: f64| a + (b - a) * t;
         let r = lerp(patch.r2, across).sqrt();
-        let phi = incident_phi - PI - lerp(patch.psi, along);
+        let phi = opposite_phi - lerp(patch.psi, along);
         Some(([r * phi.cos(), r * phi.sin()], f64::from(patch.value)))
     }
 }
