@@ -18,8 +18,9 @@ from bsdftree import Bsdf, load
 P = ParamSpec("P")
 R = TypeVar("R")
 
-stdout = Console(soft_wrap=True)
-stderr = Console(stderr=True)
+# Tables keep their columns on a narrow terminal and in a pipe: lines may wrap, but nothing is cut off.
+stdout = Console(soft_wrap=True, width=max(Console().width, 120))
+stderr = Console(stderr=True, soft_wrap=True)
 
 
 @contextmanager
