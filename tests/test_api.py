@@ -160,6 +160,19 @@ def test_progress_and_report_tell_what_was_done():
     assert report.paths == 820 and report.lost == 0 and report.aperture[1][2] == 0.0
 
 
+@pytest.mark.parametrize(
+    ("klems", "n"),
+    [("full", 145), ("half", 77), ("half73", 73), ("quarter", 41), ([(0, 30, 1), (30, 60, 6), (60, 90, 8)], 15)],
+)
+def test_any_klems_basis_can_be_generated_saved_and_loaded(klems, n, tmp_path):
+    b = generate("mirror:reflectance=0.5", klems=klems, samples=40, sides="front")
+    b.save(tmp_path / "k.xml")
+    matrix = bsdftree.load(tmp_path / "k.xml").components["reflection_back"]
+    assert matrix.values.shape == (n, n)
+    np.testing.assert_array_equal(matrix.values, b.components["reflection_back"].values)
+    np.testing.assert_allclose(b.hemispherical(direction_from_polar([0, 40, 80], 33)), 0.5, rtol=1e-6)
+
+
 def test_an_error_in_progress_ends_the_generation():
     def fail(done, total):
         raise RuntimeError("stop")

@@ -80,7 +80,7 @@ def generate(
     *,
     rank: int,
     log2_res: int,
-    klems: str | None,
+    klems: str | list[tuple[float, float, int]] | None,
     subdivide: int,
     samples: int,
     sides: str,

@@ -11,6 +11,7 @@ from bsdftree import _core
 from bsdftree._bsdf import Bsdf
 from bsdftree._device import Device, as_device
 
+KlemsName = Literal["full", "half", "half73", "quarter"]
 _METERS = {"meter": 1.0, "foot": 0.3048, "inch": 0.0254, "centimeter": 0.01, "millimeter": 0.001}
 
 
@@ -45,7 +46,7 @@ def generate(
     *,
     rank: int = 4,
     log2_res: int = 5,
-    klems: Literal["full", "half", "quarter"] | None = None,
+    klems: KlemsName | Sequence[tuple[float, float, int]] | None = None,
     subdivide: int = 1,
     samples: int = 2000,
     sides: Literal["front", "back", "both"] = "both",
@@ -70,7 +71,9 @@ def generate(
         A tensor tree of this rank (3 isotropic, 4) with up to 2^log2_res cells per axis. A rank-3 tree of a device that
         is not isotropic is its mean over azimuth.
     klems, subdivide
-        A Klems matrix instead: its basis, and into how many by how many parts each patch is split (1, 2, 4).
+        A Klems matrix instead: its basis, and into how many by how many parts each patch is split (1, 2, 4). The
+        basis is ``"full"`` (145 patches), ``"half"`` (77), ``"half73"`` (as before 2022), ``"quarter"`` (41), or a
+        list of rings from the normal outwards: lower and upper polar angle [degree] and number of patches.
     samples
         Paths per incident cell and side.
     sides
@@ -114,7 +117,7 @@ def generate(
         device._core,
         rank=rank,
         log2_res=log2_res,
-        klems=klems,
+        klems=klems if klems is None or isinstance(klems, str) else [(lower, upper, n) for lower, upper, n in klems],
         subdivide=subdivide,
         samples=samples,
         sides=sides,
@@ -148,11 +151,11 @@ def generate(
     )
     if report is not None:
         report(summary)
-    what = (
-        f"klems {klems}" + (f" {subdivide}x{subdivide}" if subdivide != 1 else "")
-        if klems
-        else f"rank {rank} 2^{log2_res}"
-    )
+    what = f"rank {rank} 2^{log2_res}"
+    if klems is not None:
+        what = f"klems {klems if isinstance(klems, str) else 'of own rings'}" + f" {subdivide}x{subdivide}" * (
+            subdivide > 1
+        )
     made = (
         f"Created by: bsdftree {_core.__version__} generate ({what}, {samples} samples per incident cell, "
         f"{summary.paths} paths, seed {seed}, sides {sides}{', color' if color else ''}"

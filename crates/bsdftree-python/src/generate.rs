@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use bsdftree::Basis;
 use bsdftree::bsdf::LengthUnit;
+use bsdftree::klems::Ring;
 use bsdftree_device::{Unit, Up, parametric};
 use bsdftree_generate::{Aperture, GenerateError, Layout, Options, Progress, Report, Sides};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -97,16 +98,29 @@ pub fn device_families(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         .collect()
 }
 
-fn klems_basis(name: &str, subdivide: u32) -> PyResult<Basis> {
-    let basis = match name {
-        "full" => Basis::full(),
-        "half" => Basis::half(),
-        "quarter" => Basis::quarter(),
-        other => {
-            return Err(value_error(format!(
-                "Klems basis {other:?}; expected \"full\", \"half\" or \"quarter\""
-            )));
+/// A basis by name, or by its rings: lower and upper polar angle \[degree\] and number of patches.
+#[derive(FromPyObject)]
+pub enum Klems {
+    Name(String),
+    Rings(Vec<(f64, f64, u32)>),
+}
+
+fn klems_basis(klems: Klems, subdivide: u32) -> PyResult<Basis> {
+    let basis = match klems {
+        Klems::Rings(rings) => {
+            let ring = |(lower, upper, n_phi)| Ring { bounds_deg: [lower, upper], n_phi };
+            Basis::new("User", rings.into_iter().map(ring).collect()).map_err(value_error)?
         }
+        Klems::Name(name) => match name.as_str() {
+            "full" => Basis::full(),
+            "half" => Basis::half(),
+            "half73" => Basis::half_73(),
+            "quarter" => Basis::quarter(),
+            _ => {
+                let expected = "expected \"full\", \"half\", \"half73\", \"quarter\" or a list of rings";
+                return Err(value_error(format!("Klems basis {name:?}; {expected}")));
+            }
+        },
     };
     if subdivide == 1 { Ok(basis) } else { basis.subdivided(subdivide).map_err(value_error) }
 }
@@ -128,7 +142,7 @@ pub fn generate(
     device: &Device,
     rank: usize,
     log2_res: u32,
-    klems: Option<&str>,
+    klems: Option<Klems>,
     subdivide: u32,
     samples: u64,
     sides: &str,
@@ -141,7 +155,7 @@ pub fn generate(
     threads: Option<usize>,
 ) -> PyResult<Generation> {
     let layout = match klems {
-        Some(name) => Layout::Klems(Arc::new(klems_basis(name, subdivide)?)),
+        Some(klems) => Layout::Klems(Arc::new(klems_basis(klems, subdivide)?)),
         None => Layout::Tree { rank: crate::component::rank(rank)?, log2_res },
     };
     let sides = match sides {

@@ -53,7 +53,9 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 @click.option(
     "--log2-res", type=int, default=5, show_default=True, metavar="N", help="Up to 2^N cells per axis of the tree."
 )
-@click.option("--klems", type=click.Choice(["full", "half", "quarter"]), help="A Klems matrix instead of a tree.")
+@click.option(
+    "--klems", type=click.Choice(["full", "half", "half73", "quarter"]), help="A Klems matrix instead of a tree."
+)
 @click.option(
     "--subdivide",
     type=click.Choice(["1", "2", "4"]),
