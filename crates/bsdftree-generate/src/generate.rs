@@ -303,7 +303,8 @@ impl<'a, S: Spectrum> Generator<'a, S> {
                     for (row, cells) in values.chunks_exact_mut(basis.n_patches()).zip(rows) {
                         for exit in cells {
                             let k = exit.cell as usize;
-                            row[k] = (value(exit.sum) / (n as f64 * basis.projected_solid_angle(k))) as f32;
+                            row[k] =
+                                (value(exit.sum) / (n as f64 * self.options.layout.exitant_area(k))) as f32;
                         }
                     }
                     Matrix::new(Arc::clone(basis), Arc::clone(basis), values)
