@@ -24,8 +24,8 @@ from bsdftree.cli._progress import PathsBar
 
 DEVICES = {
     "mirror": ("mirror", {"rank": 3, "log2_res": 4}),
-    "sawtooth": ("sawtooth", {"rank": 4, "log2_res": 5}),
-    "blinds": ("blinds:depth=0.05,spacing=0.04,angle=30", {"rank": 4, "log2_res": 5}),
+    "sawtooth": ("sawtooth", {"rank": 4, "log2_res": 5, "tile": True}),
+    "blinds": ("blinds:depth=0.05,spacing=0.04,angle=30", {"rank": 4, "log2_res": 5, "tile": True}),
 }
 
 

@@ -59,6 +59,7 @@ class Device:
     n_surfaces: int
     warnings: list[str]
     bounds: list[list[float]] | None
+    tile: list[list[float]] | None
     @staticmethod
     def _read_rad(paths: list[str], unit: str) -> Device: ...
     @staticmethod
@@ -88,6 +89,7 @@ def generate(
     reciprocity: bool,
     pruned: bool,
     aperture: tuple[tuple[float, ...], tuple[float, ...]] | None,
+    tile: bool,
     unit: str,
     seed: int,
     threads: int | None,

@@ -45,6 +45,8 @@ class Device:
         Number of surfaces.
     bounds : list or None
         Smallest and largest x, y, z [m]; None for an empty device.
+    tile : list or None
+        Smallest and largest x, y, z of one period [m], for parametric devices that repeat.
     warnings : list of str
         What the reader did that you should know.
     """
@@ -53,6 +55,7 @@ class Device:
         self._core = core
         self.n_surfaces = core.n_surfaces
         self.bounds = core.bounds
+        self.tile = core.tile
         self.warnings = core.warnings
 
     @classmethod

@@ -54,6 +54,7 @@ def generate(
     reciprocity: bool = False,
     prune: bool = True,
     dim: Sequence[float] | None = None,
+    tile: bool = False,
     unit: str = "meter",
     up: str = "y",
     seed: int = 0,
@@ -86,6 +87,9 @@ def generate(
         Whether to merge cells of a tree that differ only by noise.
     dim
         ``xmin xmax ymin ymax zmin zmax`` [unit] of the box that stands for the device, instead of its bounding box.
+    tile
+        Whether the device repeats for ever: what leaves one period by a side enters the next, so that nothing is lost at
+        the edges of a finite sample. The period is ``dim``, or the one that a parametric device knows of itself.
     unit
         Unit of length in scene files and in the header of the result.
     up
@@ -125,6 +129,7 @@ def generate(
         reciprocity=reciprocity,
         pruned=prune,
         aperture=aperture,
+        tile=tile,
         unit=unit,
         seed=seed,
         threads=threads,
@@ -159,6 +164,6 @@ def generate(
     made = (
         f"Created by: bsdftree {_core.__version__} generate ({what}, {samples} samples per incident cell, "
         f"{summary.paths} paths, seed {seed}, sides {sides}{', color' if color else ''}"
-        f"{', reciprocity' if reciprocity else ''}{'' if prune or klems else ', not pruned'})"
+        f"{', tiled' if tile else ''}{', reciprocity' if reciprocity else ''}{'' if prune or klems else ', not pruned'})"
     )
     return Bsdf(core.with_header(None, None, None, [made]))

@@ -32,6 +32,9 @@ pub struct Device {
     pub surfaces: Vec<Surface>,
     /// What it is made of.
     pub materials: Vec<NamedMaterial>,
+    /// Smallest and largest x, y, z of one period in the middle of a periodic device \[m\]. Everything inside it looks as it
+    /// would if the device went on for ever.
+    pub tile: Option<[DVec3; 2]>,
     /// Things the reader did that the user should know, e.g. an emitter taken as black.
     pub warnings: Vec<String>,
 }

@@ -73,6 +73,10 @@ impl Device {
                 Shape::Ring { center, normal, .. } => (*center, *normal) = (turn(*center), turn(*normal)),
             }
         }
+        device.tile = device.tile.map(|[low, high]| {
+            let (a, b) = (turn(low), turn(high));
+            [a.min(b), a.max(b)]
+        });
         for named in &mut device.materials {
             if let Material::Gloss(gloss) = &mut named.material {
                 gloss.orientation = gloss.orientation.map(turn);

@@ -24,6 +24,7 @@ use crate::reciprocity;
 use crate::reduce::reduce;
 use crate::scatter::{Spectrum, is_neutral};
 use crate::tally::{Row, Tally};
+use crate::tile::Tile;
 
 /// Most memory that counted paths may take \[byte\].
 const MAX_BYTES: u64 = 8 << 30;
@@ -40,6 +41,11 @@ pub enum GenerateError {
     /// The device, seen from the front, is a line or a point.
     #[error("the device has no extent along {0}; give the aperture that it stands for (--dim)")]
     Flat(char),
+    /// The device is to be repeated, but nobody said how.
+    #[error(
+        "nothing says with which period this device repeats; give the box that repeats as its aperture (--dim)"
+    )]
+    NotPeriodic,
     /// Counting the paths could take more memory than allowed.
     #[error("counting {samples} paths in each of {cells} incident cells can take {gib:.1} GiB; at most {max} are allowed: lower the samples or the resolution", max = MAX_BYTES >> 30)]
     Memory {
@@ -113,6 +119,7 @@ struct Generator<'a, S> {
     scene: Scene<S>,
     options: &'a Options,
     aperture: Aperture,
+    tile: Option<Tile>,
     progress: &'a Progress,
     xyz: Option<fn(S) -> [f64; 3]>,
 }
@@ -131,10 +138,15 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         xyz: Option<fn(S) -> [f64; 3]>,
     ) -> Result<Self, GenerateError> {
         let scene = Scene::new(device)?;
-        let aperture = match options.aperture {
-            Some(aperture) => aperture,
-            None => bounding_box(device)?,
+        let aperture = match (options.aperture, options.tile) {
+            (Some(aperture), _) => aperture,
+            (None, false) => bounding_box(device)?,
+            (None, true) => {
+                let [min, max] = device.tile.ok_or(GenerateError::NotPeriodic)?.map(|p| p.to_array());
+                Aperture { min, max }
+            }
         };
+        let tile = options.tile.then(|| Tile::new(aperture));
         let layout = &options.layout;
         let (cells, kept) = (layout.n_incident() as u64, options.samples.min(layout.n_exitant() as u64));
         let bytes =
@@ -143,7 +155,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             let gib = bytes as f64 / (1u64 << 30) as f64;
             return Err(GenerateError::Memory { samples: options.samples, cells, gib });
         }
-        Ok(Generator { scene, options, aperture, progress, xyz })
+        Ok(Generator { scene, options, aperture, tile, progress, xyz })
     }
 
     fn run(&self, device: &Device) -> Result<(Bsdf, Report), GenerateError> {
@@ -240,7 +252,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             let direction = DVec3::from_array(toward);
             let place = DVec3::new(min[0] + s * (max[0] - min[0]), min[1] + t * (max[1] - min[1]), z);
             let mut random = Random::new(self.options.seed, stream, sample);
-            match self.scene.follow(place - direction * margin, direction, &mut random) {
+            match self.scene.follow(place - direction * margin, direction, self.tile.as_ref(), &mut random) {
                 Outcome::Left(exitant, weight) => {
                     let tally = if Side::of(exitant.to_array()) == side {
                         &mut *reflected

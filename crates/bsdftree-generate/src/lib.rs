@@ -20,6 +20,7 @@
 pub mod random;
 pub mod scatter;
 pub mod bvh;
+pub mod tile;
 pub mod path;
 pub mod layout;
 pub mod tally;

@@ -55,6 +55,8 @@ pub struct Options {
     pub pruned: bool,
     /// The device's box; its bounding box by default.
     pub aperture: Option<Aperture>,
+    /// Whether the device repeats for ever, with the aperture as its period (by default, the period it knows of itself).
+    pub tile: bool,
     /// Unit of length in the file's header.
     pub unit: LengthUnit,
     /// Equal seeds give equal bits, whatever the number of threads.
@@ -74,6 +76,7 @@ impl Options {
             reciprocity: false,
             pruned: true,
             aperture: None,
+            tile: false,
             unit: LengthUnit::Meter,
             seed: 0,
             threads: None,

@@ -10,11 +10,13 @@ use glam::DVec3;
 use crate::bvh::{Bvh, BvhError, Ray};
 use crate::random::Random;
 use crate::scatter::{PreparedMaterial, Spectrum, attenuation};
+use crate::tile::Tile;
 
 /// Luminous weight under which a path has to survive the roulette.
 const FAINT: f64 = 0.05;
 
-/// A path this long is trapped by rounding, as in a closed mirror box with a leak: it is counted as lost.
+/// A path this long is trapped by rounding, as in a closed mirror box with a leak, or skims a tile for ever: it is counted as
+/// lost.
 const MAX_BOUNCES: u32 = 10_000;
 
 /// A device ready for paths that carry `S`.
@@ -41,14 +43,30 @@ impl<S: Spectrum> Scene<S> {
         Ok(Scene { bvh: Bvh::build(device)?, materials })
     }
 
-    /// Follows a path from a point along a unit direction.
+    /// Follows a path from a point along a unit direction, through a device that is alone or repeats by a tile.
     #[inline]
-    pub fn follow(&self, origin: DVec3, direction: DVec3, random: &mut Random) -> Outcome<S> {
+    pub fn follow(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        tile: Option<&Tile>,
+        random: &mut Random,
+    ) -> Outcome<S> {
         let mut ray = Ray { origin, direction, from: None };
         let mut weight = S::WHITE;
         let mut medium: Option<DVec3> = None;
         for _ in 0..MAX_BOUNCES {
-            let Some(hit) = self.bvh.closest(&ray) else { return Outcome::Left(ray.direction, weight) };
+            let hit = self.bvh.closest(&ray);
+            if let Some((again, t)) =
+                tile.and_then(|tile| tile.wrapped(&ray, hit.map_or(f64::INFINITY, |h| h.t)))
+            {
+                if let Some(transmittance) = medium {
+                    weight = weight * attenuation::<S>(transmittance, t);
+                }
+                ray = again;
+                continue;
+            }
+            let Some(hit) = hit else { return Outcome::Left(ray.direction, weight) };
             let material = &self.materials[hit.material as usize];
             if let Some(transmittance) = material.medium(hit.front).or(medium) {
                 weight = weight * attenuation::<S>(transmittance, hit.t);

@@ -66,6 +66,12 @@ impl Device {
         self.0.warnings.clone()
     }
 
+    /// Corners of one period \[m\], or None if the device is not known to be periodic.
+    #[getter]
+    fn tile(&self) -> Option<[[f64; 3]; 2]> {
+        self.0.tile.map(|b| b.map(|p| p.to_array()))
+    }
+
     /// Corners of the bounding box \[m\], or None for an empty device.
     #[getter]
     fn bounds(&self) -> Option<[[f64; 3]; 2]> {
@@ -136,7 +142,7 @@ pub struct Generation {
 
 /// Starts a generation. Of `klems` and (`rank`, `log2_res`) exactly one is given.
 #[pyfunction]
-#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, sides, color, reciprocity, pruned, aperture, unit, seed, threads))]
+#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads))]
 #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
 pub fn generate(
     device: &Device,
@@ -150,6 +156,7 @@ pub fn generate(
     reciprocity: bool,
     pruned: bool,
     aperture: Option<[[f64; 3]; 2]>,
+    tile: bool,
     unit: &str,
     seed: u64,
     threads: Option<usize>,
@@ -169,7 +176,7 @@ pub fn generate(
     let unit = LengthUnit::from_name(unit).ok_or_else(|| value_error(format!("no unit {unit:?}")))?;
     let aperture = aperture.map(|[min, max]| Aperture { min, max });
     let options =
-        Options { layout, samples, sides, color, reciprocity, pruned, aperture, unit, seed, threads };
+        Options { layout, samples, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads };
     let progress = Arc::new(Progress::default());
     let (device, shared) = (Arc::clone(&device.0), Arc::clone(&progress));
     let thread = std::thread::spawn(move || bsdftree_generate::generate(&device, &options, &shared));

@@ -84,6 +84,11 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     help="Box that stands for the device, in its unit, instead of its bounding box.",
 )
 @click.option(
+    "--tile",
+    is_flag=True,
+    help="Repeat the device for ever, without edges; --dim, or a parametric device's own period, is what repeats.",
+)
+@click.option(
     "--unit", type=click.Choice(_UNITS), default="meter", show_default=True, help="Unit of length in the files."
 )
 @click.option(
@@ -117,6 +122,7 @@ def generate(
     reciprocity: bool,
     no_prune: bool,
     dim: tuple[float, ...] | None,
+    tile: bool,
     unit: str,
     up: str,
     name: str | None,
@@ -159,6 +165,7 @@ def generate(
             reciprocity=reciprocity,
             prune=not no_prune,
             dim=dim,
+            tile=tile,
             unit=unit,
             up=up,
             seed=seed,

@@ -137,7 +137,7 @@ fn build(values: &Values) -> Result<Device, String> {
         let z = slat.outline.iter().map(|p| p.y).fold(0.0, f64::min) - values.number("gap");
         builder.strip("pane".to_owned(), [-x, x], dvec2(top, z), dvec2(-top, z), pane);
     }
-    Ok(builder.finish())
+    Ok(builder.finish_extruded([-x, x], top, spacing, n))
 }
 
 /// Section of a slat in (y, z), its foremost point at z = 0.

@@ -59,6 +59,24 @@ impl Builder {
     pub(super) fn finish(self) -> Device {
         self.device
     }
+
+    /// As [`Builder::finish`]; one period of the device lies between these x and y.
+    pub(super) fn finish_periodic(mut self, x: [f64; 2], y: [f64; 2]) -> Device {
+        let bounds = self.device.bounds();
+        self.device.tile =
+            bounds.map(|[low, high]| [DVec3::new(x[0], y[0], low.z), DVec3::new(x[1], y[1], high.z)]);
+        self.device
+    }
+
+    /// As [`Builder::finish`], for a device that is the same for all x and repeats `n` times along y, from `top` downwards.
+    pub(super) fn finish_extruded(self, x: [f64; 2], top: f64, period: f64, n: usize) -> Device {
+        // Neighbours on both sides must be there.
+        if n < 3 {
+            return self.finish();
+        }
+        let high = top - (n / 2) as f64 * period;
+        self.finish_periodic(x.map(|x| x / 3.0), [high - period, high])
+    }
 }
 
 fn at(x: f64, p: DVec2) -> DVec3 {

@@ -55,7 +55,10 @@ fn build(values: &Values) -> Result<Device, String> {
         }
     };
     builder.shape("mirror".to_owned(), shape, material);
-    Ok(builder.finish())
+    Ok(match values.word("shape") {
+        "disk" => builder.finish(),
+        _ => builder.finish_periodic([-x, x], [-y, y]),
+    })
 }
 
 #[cfg(test)]

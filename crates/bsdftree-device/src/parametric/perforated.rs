@@ -100,7 +100,12 @@ fn build(values: &Values) -> Result<Device, String> {
             sheet.half_cell(&mut builder, row, half, material);
         }
     }
-    Ok(builder.finish())
+    // Cells are whole: neighbours only meet at their borders. Rows of a triangular grid repeat in pairs.
+    let (column, n) = (sheet.n_columns / 2, if sheet.triangular { 2 } else { 1 });
+    let row = sheet.n_rows / 2 / n * n;
+    let row = row.min(sheet.n_rows - n);
+    let x = [2 * column, 2 * column + 2].map(|half| sheet.x(half));
+    Ok(builder.finish_periodic(x, [sheet.y(row), sheet.y(row + n)]))
 }
 
 /// The grid of cells; columns are counted in halves.

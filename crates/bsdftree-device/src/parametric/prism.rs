@@ -109,7 +109,7 @@ fn build(values: &Values) -> Result<Device, String> {
     let clear = builder.material("clear", &Material::Dielectric { inside, outside: Medium::VACUUM });
     let x = 0.5 * values.number("width");
     builder.solid("prism", [-x, x], &profile, clear, |_| clear);
-    Ok(builder.finish())
+    Ok(builder.finish_extruded([-x, x], top, period, n))
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ fn build(values: &Values) -> Result<Device, String> {
     let body = facets[usize::from(!mirror_up)];
     let x = 0.5 * values.number("width");
     builder.solid("sawtooth", [-x, x], &profile, body, |k| if k < 2 * n { facets[k % 2] } else { body });
-    Ok(builder.finish())
+    Ok(builder.finish_extruded([-x, x], top, period, n))
 }
 
 #[cfg(test)]

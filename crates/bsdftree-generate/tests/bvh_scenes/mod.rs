@@ -45,7 +45,7 @@ pub fn device(shapes: impl IntoIterator<Item = Shape>) -> Device {
     Device {
         surfaces: shapes.into_iter().enumerate().map(surface).collect(),
         materials: vec![NamedMaterial { name: "black".into(), material: Material::Black }],
-        warnings: vec![],
+        ..Device::default()
     }
 }
 
