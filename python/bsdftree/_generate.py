@@ -88,8 +88,8 @@ def generate(
     dim
         ``xmin xmax ymin ymax zmin zmax`` [unit] of the box that stands for the device, instead of its bounding box.
     tile
-        Whether the device repeats for ever: what leaves one period by a side enters the next, so that nothing is lost at
-        the edges of a finite sample. The period is ``dim``, or the one that a parametric device knows of itself.
+        Whether the device repeats for ever: what leaves one period by a side enters the next, so that nothing is
+        lost at the edges of a finite sample. The period is ``dim``, or the one that a parametric device knows.
     unit
         Unit of length in scene files and in the header of the result.
     up
@@ -163,7 +163,7 @@ def generate(
         )
     made = (
         f"Created by: bsdftree {_core.__version__} generate ({what}, {samples} samples per incident cell, "
-        f"{summary.paths} paths, seed {seed}, sides {sides}{', color' if color else ''}"
-        f"{', tiled' if tile else ''}{', reciprocity' if reciprocity else ''}{'' if prune or klems else ', not pruned'})"
+        f"{summary.paths} paths, seed {seed}, sides {sides}{', tiled' if tile else ''}{', color' if color else ''}"
+        f"{', reciprocity' if reciprocity else ''}{'' if prune or klems else ', not pruned'})"
     )
     return Bsdf(core.with_header(None, None, None, [made]))

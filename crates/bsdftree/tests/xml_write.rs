@@ -229,3 +229,21 @@ fn files_are_replaced_whole_or_not_at_all() {
     );
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[cfg(unix)]
+#[test]
+fn links_and_devices_stay_what_they_are() {
+    let good = grey(Scattering::from(Tree::uniform(Rank::Three, 0.25)));
+    let folder = std::env::temp_dir().join(format!("bsdftree-links-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (file, link) = (folder.join("file.xml"), folder.join("link.xml"));
+    std::fs::write(&file, "old").unwrap();
+    std::os::unix::fs::symlink(&file, &link).unwrap();
+    write_file(&good, &link).unwrap();
+    assert!(link.symlink_metadata().unwrap().is_symlink());
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), written(&good));
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2, "no temporary file is left");
+    write_file(&good, "/dev/null").unwrap();
+    assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+    std::fs::remove_dir_all(&folder).unwrap();
+}

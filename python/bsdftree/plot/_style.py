@@ -61,7 +61,8 @@ def save(picture: Figure, path: str | os.PathLike[str], *, dpi: float | None = N
     OSError
         If the file cannot be written.
     """
-    target = Path(path)
+    # Of a link, what it leads to is replaced.
+    target = Path(path).resolve()
     format_ = target.suffix.lower().lstrip(".")
     if format_ not in FORMATS:
         raise ValueError(f"{target}: ending {target.suffix!r}; expected .png, .svg or .pdf")

@@ -5,8 +5,9 @@
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use thiserror::Error;
 
@@ -81,28 +82,42 @@ pub fn write(bsdf: &Bsdf, out: &mut impl Write) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Writes a BSDF to a file: whole or not at all. It takes the place of an older one only when it is safely on disk.
+/// Writes a BSDF to a file: whole or not at all. It takes the place of an older one only when it is safely on disk; of a link, of
+/// what it leads to. What is not a file, such as `/dev/stdout` or a pipe, is written to directly.
 ///
 /// # Errors
 /// As [`write`], naming the file.
 pub fn write_file(bsdf: &Bsdf, path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let temporary = path.with_file_name(name);
+    let named = |error| WriteError::File { path: path.display().to_string(), error: Box::new(error) };
+    // A path that leads nowhere yet is its own target.
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if target.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+        let direct = || write(bsdf, &mut File::options().write(true).open(&target)?);
+        return direct().map_err(named);
+    }
+    let temporary = temporary_beside(&target);
     let written = || -> Result<(), WriteError> {
-        let mut file = File::create(&temporary)?;
+        let mut file = File::create_new(&temporary)?;
         write(bsdf, &mut file)?;
         file.sync_all()?;
-        std::fs::rename(&temporary, path)?;
+        std::fs::rename(&temporary, &target)?;
         Ok(())
     };
     written().map_err(|error| {
         // Nothing more can be done if this fails too; the first error is the one to tell.
         let _ = std::fs::remove_file(&temporary);
-        WriteError::File { path: path.display().to_string(), error: Box::new(error) }
+        named(error)
     })
+}
+
+/// A name in the same folder that no other writer uses.
+fn temporary_beside(target: &Path) -> PathBuf {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let mut name = std::ffi::OsString::from(".");
+    name.push(target.file_name().unwrap_or_default());
+    name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
+    target.with_file_name(name)
 }
 
 fn scatterings(bsdf: &Bsdf) -> impl Iterator<Item = &Scattering> {
