@@ -45,5 +45,8 @@ bench: setup ## Measure, with Radiance beside it
 	cargo bench --workspace
 	$(BIN)/python benches/beside_radiance.py
 
+docs: ## API documentation of the crates, in target/doc
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+
 clean: ## Remove what was built
 	rm -rf target $(VENV) demo
