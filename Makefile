@@ -34,6 +34,7 @@ test-python: setup ## Python tests
 lint: setup ## Formatting, clippy, ruff, mypy: warnings are errors
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --quiet -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 	$(BIN)/ruff check && $(BIN)/ruff format --check
 	$(BIN)/mypy
 

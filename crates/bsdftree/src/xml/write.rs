@@ -86,7 +86,7 @@ pub fn write(bsdf: &Bsdf, out: &mut impl Write) -> Result<(), WriteError> {
 /// what it leads to. What is not a file, such as `/dev/stdout` or a pipe, is written to directly.
 ///
 /// # Errors
-/// As [`write`], naming the file.
+/// As [`write()`], naming the file.
 pub fn write_file(bsdf: &Bsdf, path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     let named = |error| WriteError::File { path: path.display().to_string(), error: Box::new(error) };
