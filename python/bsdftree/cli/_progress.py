@@ -30,7 +30,7 @@ class PathsBar:
             if elapsed < 1.0 or total == 0 or not stderr.is_terminal:
                 return
             self._progress = Progress(
-                TextColumn("tracing"),
+                TextColumn("{task.description}"),
                 BarColumn(),
                 TextColumn("{task.percentage:>3.0f} %  {task.fields[rate]}"),
                 TimeElapsedColumn(),
@@ -41,4 +41,7 @@ class PathsBar:
             )
             self._progress.start()
             self._task = self._progress.add_task("tracing", total=total, rate="")
-        self._progress.update(self._task, completed=done, rate=f"{done / elapsed / 1e6:.2f} M paths/s")
+        if done < total:
+            self._progress.update(self._task, completed=done, rate=f"{done / elapsed / 1e6:.2f} M paths/s")
+        else:
+            self._progress.update(self._task, completed=done, description="reducing")
