@@ -67,8 +67,31 @@ fn every_family_reads_back_the_same() {
     ] {
         let device = Device::from_spec(spec).unwrap();
         let again = Device::parse_rad(&device.to_rad(), spec, ".".as_ref(), Unit::Meter).unwrap();
-        assert_eq!(again, device, "{spec}");
+        // A scene does not say with which period it repeats.
+        assert_eq!(again, Device { tile: None, ..device }, "{spec}");
     }
+}
+
+#[test]
+fn periodic_families_know_one_period_in_their_middle() {
+    for (spec, size) in [
+        ("blinds:spacing=0.04", [1.0 / 3.0, 0.04]),
+        ("sawtooth:period=0.02", [1.0 / 3.0, 0.02]),
+        ("prism:period=0.01", [f64::NAN, 0.01]),
+        ("perforated:pitch=0.01,diameter=0.004", [0.01, 0.01]),
+        ("perforated:pitch=0.01,diameter=0.004,grid=triangular", [0.01, 0.01 * 3f64.sqrt()]),
+    ] {
+        let device = Device::from_spec(spec).unwrap();
+        let ([low, high], [min, max]) = (device.tile.unwrap(), device.bounds().unwrap());
+        assert!((low.cmpge(min) & high.cmple(max)).all(), "{spec}: {low} {high} in {min} {max}");
+        assert_eq!((low.z, high.z), (min.z, max.z));
+        let found = high - low;
+        for (axis, size) in size.into_iter().enumerate().filter(|(_, size)| !size.is_nan()) {
+            assert!((found[axis] - size).abs() < 1e-12, "{spec}: period {found}");
+        }
+    }
+    assert_eq!(Device::from_spec("mirror:shape=disk").unwrap().tile, None);
+    assert_eq!(Device::from_spec("blinds:height=0.08,spacing=0.04").unwrap().tile, None);
 }
 
 #[test]
