@@ -78,7 +78,7 @@ impl Simd {
 /// let device = Device {
 ///     surfaces: vec![Surface { name: "ball".into(), shape: ball, material: 0 }],
 ///     materials: vec![NamedMaterial { name: "black".into(), material: Material::Black }],
-///     warnings: vec![],
+///     ..Device::default()
 /// };
 /// let bvh = Bvh::build(&device)?;
 /// let from_above = Ray { origin: DVec3::Z * 3.0, direction: -DVec3::Z, from: None };
