@@ -85,6 +85,17 @@ def test_unit_and_dim_are_in_the_files_unit(run, tmp_path):
     np.testing.assert_allclose([b.width, b.height, b.thickness], np.array([20, 10, 2]) * 0.0254)
 
 
+def test_a_tiled_opaque_device_lets_nothing_through(run, tmp_path, mirror):
+    out = tmp_path / "s.xml"
+    result = run("generate", "--device", "sawtooth", "--tile", "--klems", "quarter", "--samples", 200, "-o", out)
+    assert result.exit_code == 0, result.output
+    b = bsdftree.load(out)
+    assert "tiled" in b.provenance[0]
+    assert (b.components["transmission_back"].values == 0).all()
+    unknown = run("generate", "--tile", mirror)
+    assert unknown.exit_code == 1 and "--dim" in unknown.output
+
+
 def test_up_turns_a_standing_drawing(run, tmp_path):
     # Z up; slats tilted so that light from above, seen from the south (-Y), is caught.
     scene = tmp_path / "standing.rad"
