@@ -13,13 +13,13 @@ import sys
 import time
 from pathlib import Path
 
-import numpy as np
 import pyradiance
 from rich.console import Console
 from rich.table import Table
 
 import bsdftree
 from bsdftree import plot
+from bsdftree._totals import mean_total
 from bsdftree.cli._progress import PathsBar
 
 DEVICES = {
@@ -27,15 +27,6 @@ DEVICES = {
     "sawtooth": ("sawtooth", {"rank": 4, "log2_res": 5, "tile": True}),
     "blinds": ("blinds:depth=0.05,spacing=0.04,angle=30", {"rank": 4, "log2_res": 5, "tile": True}),
 }
-
-
-def hemispherical(bsdf: bsdftree.Bsdf, side: float, part: str) -> float:
-    """Mean over all incident directions of one side, by projected solid angle."""
-    theta = np.arcsin(np.sqrt((np.arange(32) + 0.5) / 32))[:, None]
-    phi = (np.arange(64) + 0.5) * (2 * np.pi / 64)
-    z = np.broadcast_to(side * np.cos(theta), (32, 64))
-    incident = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), z], axis=-1)
-    return float(bsdf.hemispherical(incident, part).mean())
 
 
 def main(folder: Path) -> None:
@@ -68,7 +59,7 @@ def main(folder: Path) -> None:
         bsdf = bsdftree.load(xml)
         plot.overview(bsdf, title=name).savefig(png)
         leaves = sum(tree.n_leaves for tree in bsdf.components.values())
-        totals = [hemispherical(bsdf, side, part) for side in (1, -1) for part in ("reflection", "transmission")]
+        totals = [mean_total(bsdf, side, part) for side in (1, -1) for part in ("reflection", "transmission")]
         table.add_row(
             name,
             f"rank {options['rank']}, 2^{options['log2_res']}",

@@ -12,7 +12,6 @@ from bsdftree._bsdf import Bsdf
 from bsdftree._device import Device, as_device
 
 KlemsName = Literal["full", "half", "half73", "quarter"]
-_METERS = {"meter": 1.0, "foot": 0.3048, "inch": 0.0254, "centimeter": 0.01, "millimeter": 0.001}
 
 
 @dataclass(frozen=True)
@@ -115,8 +114,7 @@ def generate(
     if dim is not None:
         if len(dim) != 6:
             raise ValueError(f"dim has {len(dim)} numbers; expected xmin xmax ymin ymax zmin zmax")
-        lengths = [float(x) * _METERS[unit] for x in dim]
-        aperture = (tuple(lengths[0::2]), tuple(lengths[1::2]))
+        aperture = (tuple(map(float, dim[0::2])), tuple(map(float, dim[1::2])))
     generation = _core.generate(
         device._core,
         rank=rank,

@@ -278,12 +278,10 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         if self.options.reciprocity && matches!(self.options.layout, Layout::Tree { .. }) {
             let n = self.options.samples;
             for (_, rows) in parts.iter_mut().filter(|(part, _)| part.is_reflection()) {
-                let [mean, _] = reciprocity::averaged(rows, rows, n);
-                *rows = mean;
+                *rows = reciprocity::averaged(rows, rows, n);
             }
             if let [_, (_, a), _, (_, b)] = parts.as_mut_slice() {
-                let [mean_a, mean_b] = reciprocity::averaged(a, b, n);
-                (*a, *b) = (mean_a, mean_b);
+                (*a, *b) = (reciprocity::averaged(a, b, n), reciprocity::averaged(b, a, n));
             }
         }
         parts

@@ -140,7 +140,7 @@ pub struct Generation {
     thread: Mutex<Option<JoinHandle<Outcome>>>,
 }
 
-/// Starts a generation. Of `klems` and (`rank`, `log2_res`) exactly one is given.
+/// Starts a generation; `aperture` is in `unit`. Of `klems` and (`rank`, `log2_res`) exactly one is given.
 #[pyfunction]
 #[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads))]
 #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
@@ -174,7 +174,10 @@ pub fn generate(
         }
     };
     let unit = LengthUnit::from_name(unit).ok_or_else(|| value_error(format!("no unit {unit:?}")))?;
-    let aperture = aperture.map(|[min, max]| Aperture { min, max });
+    let aperture = aperture.map(|corners| {
+        let [min, max] = corners.map(|corner| corner.map(|length| length * unit.meters()));
+        Aperture { min, max }
+    });
     let options =
         Options { layout, samples, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads };
     let progress = Arc::new(Progress::default());

@@ -105,10 +105,8 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 )
 @click.option("--threads", type=click.IntRange(1), help="Number of threads; all processors by default.")
 @json_option
-@click.pass_context
 @with_input_errors
 def generate(
-    context: click.Context,
     files: tuple[str, ...],
     spec: str | None,
     output: str | None,
@@ -177,11 +175,11 @@ def generate(
     (report,) = reports
     for warning in report.warnings:
         click.echo(f"bsdftree: warning: {warning}", err=True)
-    command = shlex.join(["bsdftree", "generate", *sys.argv[2:]]) if context.info_name == "generate" else ""
+    command = shlex.join(["bsdftree", "generate", *sys.argv[2:]])
     bsdf = bsdf.with_header(
         name=name or (spec.partition(":")[0] if spec else os.path.splitext(os.path.basename(files[-1]))[0]),
         manufacturer=manufacturer,
-        provenance=[*bsdf.provenance, f"Command: {command}"] if command else None,
+        provenance=[*bsdf.provenance, f"Command: {command}"],
     )
     if output is None:
         click.echo(bsdf.to_xml(), nl=False)

@@ -6,10 +6,10 @@ import os
 from typing import Any
 
 import click
-import numpy as np
 
 from bsdftree import Bsdf, Tree
-from bsdftree._bsdf import Array, Part
+from bsdftree._bsdf import Part
+from bsdftree._totals import mean_total, totals_by_azimuth
 from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
 
 _PARTS: tuple[Part, ...] = ("reflection", "transmission")
@@ -42,26 +42,14 @@ def info(files: tuple[str, ...], repair: bool, as_json: bool) -> None:
 def _totals(bsdf: Bsdf, band: str) -> list[dict[str, Any]]:
     """Reflectance and transmittance from both sides: by polar angle (mean over azimuth), and over the hemisphere."""
     rows = []
-    # Both are means over a ring of azimuths that avoids the symmetry planes of most devices.
-    phi = np.radians((np.arange(16) + 0.5) * 22.5)
-    # Uniform in projected solid angle: sin² θ uniform.
-    n = 32
-    theta_hemisphere = np.arcsin(np.sqrt((np.arange(n) + 0.5) / n))
     for side, sign in (("front", 1.0), ("back", -1.0)):
         for part in _PARTS:
-
-            def total(theta: Array, sign: float = sign, part: Part = part) -> Array:
-                t = theta[:, None]
-                z = np.broadcast_to(sign * np.cos(t), (len(theta), len(phi)))
-                directions = np.stack([np.sin(t) * np.cos(phi), np.sin(t) * np.sin(phi), z], axis=-1)
-                return np.asarray(bsdf.hemispherical(directions, part, band=band).mean(axis=1))
-
-            by_angle = total(np.radians(_THETAS_DEG))
+            by_angle = totals_by_azimuth(bsdf, sign, part, _THETAS_DEG, band).mean(axis=1)
             rows.append(
                 {
                     "incident_side": side,
                     "part": part,
-                    "hemispherical": float(total(theta_hemisphere).mean()),
+                    "hemispherical": mean_total(bsdf, sign, part, band),
                     "by_theta_deg": {str(t): float(v) for t, v in zip(_THETAS_DEG, by_angle, strict=True)},
                 }
             )

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from bsdftree import Bsdf, Matrix, Tree, direction_from_polar
+from bsdftree import Bsdf, Matrix, Tree
+from bsdftree._bsdf import Part
+from bsdftree._totals import mean_total
 
 Array = NDArray[np.float64]
 ROOM, OUTSIDE = 1.0, -1.0
@@ -20,7 +22,7 @@ class Sides(NamedTuple):
     exitant: float
 
     @property
-    def kind(self) -> str:
+    def kind(self) -> Part:
         """``"reflection"`` or ``"transmission"``."""
         return "reflection" if self.incident == self.exitant else "transmission"
 
@@ -74,20 +76,7 @@ def scatters(bsdf: Bsdf, side: float, band: str) -> bool:
     return any(key in components and not is_black(components[key]) for key in keys)
 
 
-def totals_by_azimuth(bsdf: Bsdf, side: float, kind: str, theta_deg: ArrayLike, band: str) -> Array:
-    """Directional-hemispherical totals, (angles, 16 azimuths).
-
-    The azimuths are the same as those of ``bsdftree info``: they avoid the symmetry planes of most devices.
-    """
-    theta = np.asarray(theta_deg, float)
-    incident = direction_from_polar(theta[:, None], (np.arange(16) + 0.5) * 22.5)
-    incident[..., 2] *= side
-    return bsdf.hemispherical(incident, kind, band=band)  # type: ignore[arg-type]
-
-
 def diffuse_total(bsdf: Bsdf, part: str, band: str) -> float:
     """Fraction of evenly diffuse light that a component scatters, in [0, 1] if lawful."""
-    n = 32
-    theta_deg = np.degrees(np.arcsin(np.sqrt((np.arange(n) + 0.5) / n)))  # even in projected solid angle
     sides = SIDES[part]
-    return float(totals_by_azimuth(bsdf, sides.incident, sides.kind, theta_deg, band).mean())
+    return mean_total(bsdf, sides.incident, sides.kind, band)

@@ -23,7 +23,8 @@ pub(super) const RANK3_SHIFT: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Position(pub(super) [u64; 4]);
 
-fn quantized(x: f64) -> u64 {
+/// A coordinate in \[0, 1\] as a multiple of 2⁻⁴⁰.
+pub(super) fn quantized(x: f64) -> u64 {
     let scale = (1u64 << QUANTUM_BITS) as f64;
     // The cast saturates at 0 for negative numbers.
     ((x * scale + 0.5) as u64).min((1 << QUANTUM_BITS) - 1)

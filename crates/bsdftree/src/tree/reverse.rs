@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use crate::cumulative::Cumulative;
 use crate::hilbert::unfold;
 use crate::tree::arena::{Arena, Content, Rank, Slot, TreeBuilder};
-use crate::tree::coordinates::{QUANTUM_BITS, RANK3_SHIFT};
+use crate::tree::coordinates::{QUANTUM_BITS, RANK3_SHIFT, quantized};
 
 /// The rank-4 tree with incident and exitant directions swapped.
 pub(super) fn reversed(arena: &Arena) -> Arena {
@@ -95,9 +95,7 @@ struct Ring {
 
 impl Ring {
     fn new(radius: f64) -> Ring {
-        let quantum =
-            |x: f64| ((x * (1u64 << QUANTUM_BITS) as f64 + 0.5) as u64).min((1 << QUANTUM_BITS) - 1);
-        Ring { radius, sides: [quantum(0.5 - 0.5 * radius), quantum(0.5 + 0.5 * radius)] }
+        Ring { radius, sides: [quantized(0.5 - 0.5 * radius), quantized(0.5 + 0.5 * radius)] }
     }
 
     /// Whether it is so small that it lies in one place.
