@@ -1,0 +1,1 @@
+"""Equal-error benchmarks of generation: `python -m benches.generate`, or `make bench-generate`."""
