@@ -43,6 +43,11 @@ impl<S: Spectrum> Scene<S> {
         Ok(Scene { bvh: Bvh::build(device)?, materials })
     }
 
+    /// What rays meet, and what it is made of.
+    pub(crate) fn parts(&self) -> (&Bvh, &[PreparedMaterial<S>]) {
+        (&self.bvh, &self.materials)
+    }
+
     /// Follows a path from a point along a unit direction, through a device that is alone or repeats by a tile.
     #[inline]
     pub fn follow(

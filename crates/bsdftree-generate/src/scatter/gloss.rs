@@ -25,20 +25,20 @@ use crate::random::Random;
 /// Squared roughness up to which Radiance takes a surface for smooth.
 const SMOOTH: f64 = 1e-6;
 
-const DIFFUSE_REFLECTION: usize = 0;
-const DIFFUSE_TRANSMISSION: usize = 1;
-const SPECULAR_TRANSMISSION: usize = 2;
-const SPECULAR_REFLECTION: usize = 3;
+pub(super) const DIFFUSE_REFLECTION: usize = 0;
+pub(super) const DIFFUSE_TRANSMISSION: usize = 1;
+pub(super) const SPECULAR_TRANSMISSION: usize = 2;
+pub(super) const SPECULAR_REFLECTION: usize = 3;
 
 /// A [`Gloss`] with its lobes worked out.
 #[derive(Clone, Debug)]
 pub(super) struct PreparedGloss<S> {
-    lobes: [Lobe<S>; 4],
+    pub lobes: [Lobe<S>; 4],
     /// Sum of the lobes' luminances.
     total: f64,
     /// The lobe, if there is but one at all angles.
     only: Option<usize>,
-    smooth: bool,
+    pub smooth: bool,
     fresnel: bool,
     roughness: [f64; 2],
     orientation: Option<DVec3>,
@@ -46,11 +46,11 @@ pub(super) struct PreparedGloss<S> {
 
 /// A lobe without Fresnel.
 #[derive(Clone, Copy, Debug)]
-struct Lobe<S> {
-    color: S,
-    luminance: f64,
+pub(super) struct Lobe<S> {
+    pub color: S,
+    pub luminance: f64,
     /// The colour, scaled to luminance 1.
-    tint: S,
+    pub tint: S,
 }
 
 impl<S: Spectrum> Lobe<S> {
@@ -129,18 +129,18 @@ impl<S: Spectrum> PreparedGloss<S> {
     }
 
     #[inline]
-    fn fresnel_at(&self, cosine: f64) -> f64 {
+    pub fn fresnel_at(&self, cosine: f64) -> f64 {
         if self.fresnel { fresnel::approximation(cosine) } else { 0.0 }
     }
 
     #[inline]
-    fn highlight(&self, fresnel: f64) -> S {
+    pub fn highlight(&self, fresnel: f64) -> S {
         self.lobes[SPECULAR_REFLECTION].color * (1.0 - fresnel) + S::WHITE * fresnel
     }
 
     /// Reflection on a facet whose slopes are drawn from the Gaussian distribution.
     #[inline]
-    fn glance(
+    pub fn glance(
         &self,
         facing: DVec3,
         incoming: DVec3,
@@ -157,7 +157,7 @@ impl<S: Spectrum> PreparedGloss<S> {
 
     /// The ray plus a Gaussian vector in the surface, as Radiance spreads a rough transmission.
     #[inline]
-    fn spread(&self, facing: DVec3, incoming: DVec3, random: &mut Random) -> Option<DVec3> {
+    pub fn spread(&self, facing: DVec3, incoming: DVec3, random: &mut Random) -> Option<DVec3> {
         (incoming + self.slope(facing, random)).try_normalize()
     }
 
@@ -172,7 +172,7 @@ impl<S: Spectrum> PreparedGloss<S> {
 
     /// The directions u and v in the surface, and the roughness along each.
     #[inline]
-    fn axes(&self, normal: DVec3) -> ([DVec3; 2], [f64; 2]) {
+    pub fn axes(&self, normal: DVec3) -> ([DVec3; 2], [f64; 2]) {
         let Some(orientation) = self.orientation else { return (tangents(normal), self.roughness) };
         let across = normal.cross(orientation);
         let length = across.length();

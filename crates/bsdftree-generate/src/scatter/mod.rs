@@ -21,6 +21,7 @@
 //! ```
 
 mod dielectric;
+mod diffuse;
 mod frame;
 mod fresnel;
 mod glass;
@@ -35,6 +36,7 @@ use bsdftree_device::material::{Gloss, Material};
 use glam::DVec3;
 
 pub use dielectric::attenuation;
+pub use diffuse::lambertian_direction;
 pub use spectrum::Spectrum;
 
 use crate::random::Random;

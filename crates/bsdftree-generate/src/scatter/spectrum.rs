@@ -19,6 +19,8 @@ pub trait Spectrum:
     + Mul<f64, Output = Self>
     + Div<f64, Output = Self>
 {
+    /// How many numbers it is.
+    const CHANNELS: usize;
     /// Absorbs all.
     const BLACK: Self;
     /// Changes nothing.
@@ -27,9 +29,12 @@ pub trait Spectrum:
     fn from_rgb(rgb: DVec3) -> Self;
     /// Luminance: the Y of [`xyz_from_rgb`], as in the BSDF that comes of it; 1 for white.
     fn luminance(self) -> f64;
+    /// Number `k` below [`CHANNELS`](Self::CHANNELS): red, green, blue or the luminance.
+    fn channel(self, k: usize) -> f64;
 }
 
 impl Spectrum for f64 {
+    const CHANNELS: usize = 1;
     const BLACK: f64 = 0.0;
     const WHITE: f64 = 1.0;
 
@@ -42,9 +47,15 @@ impl Spectrum for f64 {
     fn luminance(self) -> f64 {
         self
     }
+
+    #[inline]
+    fn channel(self, _: usize) -> f64 {
+        self
+    }
 }
 
 impl Spectrum for DVec3 {
+    const CHANNELS: usize = 3;
     const BLACK: DVec3 = DVec3::ZERO;
     const WHITE: DVec3 = DVec3::ONE;
 
@@ -56,6 +67,11 @@ impl Spectrum for DVec3 {
     #[inline]
     fn luminance(self) -> f64 {
         xyz_from_rgb(self.to_array())[1]
+    }
+
+    #[inline]
+    fn channel(self, k: usize) -> f64 {
+        self[k]
     }
 }
 

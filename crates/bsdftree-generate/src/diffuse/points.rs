@@ -1,0 +1,169 @@
+//! Points spread evenly over the surfaces that have diffuse lobes.
+//!
+//! In: a device, the box of one period if it repeats. Out: points of equal shares of area, each with normal and surface. They
+//! measure areas of patches by counting, and are where light leaves a patch.
+//! Source of the even spread: the additive sequence of the plastic number, M. Roberts, "The unreasonable effectiveness of
+//! quasirandom sequences" (2018).
+
+use bsdftree_device::{Device, Shape};
+use glam::DVec3;
+
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point {
+    pub position: DVec3,
+    /// Unit normal of the front.
+    pub normal: DVec3,
+    /// Index into `Device::surfaces`.
+    pub surface: u32,
+}
+
+/// Points, each of which stands for the same area.
+pub(crate) struct Points {
+    pub points: Vec<Point>,
+    /// \[m²\].
+    pub area_each: f64,
+}
+
+/// What is sampled at once.
+enum Element<'a> {
+    Triangle([DVec3; 3]),
+    Round(&'a Shape),
+}
+
+/// Most points tried for one that lies inside the box.
+const MAX_TRIES: usize = 32;
+
+impl Points {
+    /// About `count` points on the surfaces that `wanted` holds for.
+    pub fn spread(
+        device: &Device,
+        period: Option<[DVec3; 2]>,
+        count: usize,
+        wanted: impl Fn(u32) -> bool,
+    ) -> Points {
+        let mut elements = Vec::new();
+        for (surface, s) in device.surfaces.iter().enumerate().filter(|(_, s)| wanted(s.material)) {
+            let surface = surface as u32;
+            if let Shape::Polygon(_) = s.shape {
+                for triangle in s.shape.triangulate() {
+                    let parts = period.map_or_else(|| vec![triangle], |b| clipped(triangle, b));
+                    elements.extend(parts.into_iter().map(|t| (Element::Triangle(t), surface)));
+                }
+            } else if period.is_none_or(|b| meets(s.shape.bounds(), b)) {
+                elements.push((Element::Round(&s.shape), surface));
+            }
+        }
+        let mut ends = Vec::with_capacity(elements.len());
+        let mut total = 0.0;
+        for (element, _) in &elements {
+            total += element.area();
+            ends.push(total);
+        }
+        let mut tries = count;
+        loop {
+            let points: Vec<Point> = (0..tries)
+                .filter_map(|k| {
+                    let place = (k as f64 + 0.5) / tries as f64 * total;
+                    let (element, surface) = elements.get(ends.partition_point(|&end| end <= place))?;
+                    let uv = [0.754_877_666_246_693, 0.569_840_290_998_053].map(|a| (k as f64 * a).fract());
+                    let (position, normal) = element.at(uv);
+                    let inside = match (element, period) {
+                        (Element::Round(_), Some(period)) => contains(period, position),
+                        _ => true,
+                    };
+                    inside.then_some(Point { position, normal, surface: *surface })
+                })
+                .collect();
+            if points.len() * 2 >= count || tries >= count * MAX_TRIES || points.is_empty() {
+                return Points { area_each: total / tries as f64, points };
+            }
+            tries = (tries * count / points.len()).min(count * MAX_TRIES);
+        }
+    }
+}
+
+impl Element<'_> {
+    fn area(&self) -> f64 {
+        match self {
+            Element::Triangle([a, b, c]) => 0.5 * (b - a).cross(c - a).length(),
+            Element::Round(shape) => shape.area(),
+        }
+    }
+
+    /// The point that a point of the unit square stands for, evenly by area, and the normal there.
+    fn at(&self, [u, v]: [f64; 2]) -> (DVec3, DVec3) {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
+        match self {
+            Element::Triangle([a, b, c]) => {
+                let r = u.sqrt();
+                let position = a + (b - a) * (r * (1.0 - v)) + (c - a) * (r * v);
+                (position, (b - a).cross(c - a).normalize_or_zero())
+            }
+            Element::Round(Shape::Sphere { center, radius, inward }) => {
+                let z = 1.0 - 2.0 * u;
+                let r = (1.0 - z * z).max(0.0).sqrt();
+                let outward = DVec3::new(r * cos, r * sin, z);
+                (center + outward * *radius, if *inward { -outward } else { outward })
+            }
+            Element::Round(Shape::Cylinder { ends, radius, inward }) => {
+                taper(*ends, [*radius; 2], *inward, u, [cos, sin])
+            }
+            Element::Round(Shape::Cone { ends, radii, inward }) => {
+                taper(*ends, *radii, *inward, u, [cos, sin])
+            }
+            Element::Round(Shape::Ring { center, normal, radii: [inner, outer] }) => {
+                let r = (inner * inner + (outer * outer - inner * inner) * u).sqrt();
+                let normal = normal.normalize();
+                let (a, b) = normal.any_orthonormal_pair();
+                (center + (a * cos + b * sin) * r, normal)
+            }
+            Element::Round(Shape::Polygon(_)) => unreachable!("polygons are triangles here"),
+        }
+    }
+}
+
+fn taper(ends: [DVec3; 2], radii: [f64; 2], inward: bool, u: f64, [cos, sin]: [f64; 2]) -> (DVec3, DVec3) {
+    let along = ends[1] - ends[0];
+    let axis = along.normalize();
+    let (a, b) = axis.any_orthonormal_pair();
+    let radial = a * cos + b * sin;
+    let difference = radii[1] - radii[0];
+    let radius = (radii[0] * radii[0] + (radii[1] * radii[1] - radii[0] * radii[0]) * u).sqrt();
+    let t = if difference == 0.0 { u } else { (radius - radii[0]) / difference };
+    let outward = (radial - axis * (difference / along.length())).normalize();
+    (ends[0] + along * t + radial * radius, if inward { -outward } else { outward })
+}
+
+fn meets(a: [DVec3; 2], b: [DVec3; 2]) -> bool {
+    a[0].cmple(b[1]).all() && b[0].cmple(a[1]).all()
+}
+
+fn contains([low, high]: [DVec3; 2], p: DVec3) -> bool {
+    low.cmple(p).all() && p.cmple(high).all()
+}
+
+/// The part of a triangle in a box, as triangles turned the same way (Sutherland and Hodgman).
+fn clipped(triangle: [DVec3; 3], [low, high]: [DVec3; 2]) -> Vec<[DVec3; 3]> {
+    let mut outline = triangle.to_vec();
+    for axis in 0..3 {
+        for (sign, end) in [(1.0, low[axis]), (-1.0, high[axis])] {
+            let depth = |p: DVec3| sign * (p[axis] - end);
+            let mut kept = Vec::with_capacity(outline.len() + 1);
+            for (k, &p) in outline.iter().enumerate() {
+                let q = outline[(k + 1) % outline.len()];
+                if depth(p) >= 0.0 {
+                    kept.push(p);
+                }
+                if (depth(p) > 0.0 && depth(q) < 0.0) || (depth(p) < 0.0 && depth(q) > 0.0) {
+                    kept.push(p + (q - p) * (depth(p) / (depth(p) - depth(q))));
+                }
+            }
+            outline = kept;
+        }
+    }
+    if outline.len() < 3 {
+        return Vec::new();
+    }
+    (1..outline.len() - 1).map(|k| [outline[0], outline[k], outline[k + 1]]).collect()
+}

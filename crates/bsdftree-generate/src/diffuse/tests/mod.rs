@@ -1,0 +1,4 @@
+//! Models against closed forms and plain paths. Fixed seeds.
+
+mod measure;
+mod support;
