@@ -73,7 +73,7 @@ class Generation:
     def paths(self) -> tuple[int, int]: ...
     def cancel(self) -> None: ...
     def wait(self, seconds: float) -> bool: ...
-    def result(self) -> tuple[Bsdf, dict[str, Any]]: ...
+    def result(self) -> tuple[Bsdf, Bsdf, dict[str, Any]]: ...
 
 def device_families() -> list[dict[str, Any]]: ...
 def generate(
@@ -84,9 +84,13 @@ def generate(
     klems: str | list[tuple[float, float, int]] | None,
     subdivide: int,
     samples: int,
+    tolerance: float | None,
+    direction_tolerance: float,
+    time_budget: float | None,
+    stratified: bool,
     sides: str,
     color: bool,
-    reciprocity: bool,
+    reciprocity: bool | None,
     pruned: bool,
     aperture: tuple[tuple[float, ...], tuple[float, ...]] | None,
     tile: bool,

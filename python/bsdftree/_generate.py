@@ -22,6 +22,17 @@ class GenerationReport:
     ----------
     paths
         Paths followed.
+    samples
+        Paths per incident cell and side.
+    stop
+        Why there were no more: ``"samples"``, ``"tolerance"``, ``"time"`` or ``"memory"``.
+    error
+        Estimated relative error of the whole: Σ abs(error) / Σ BSDF over all finest cells.
+    direction_error
+        Largest error of the hemispherical total of an incident cell: half its 95 % interval, or what the tree departs
+        from what was counted; relative to the total, or to 0.1 if the total is less.
+    errors
+        The standard error of each value, as a BSDF of the same form. A 95 % interval is ±2.36 standard errors.
     lost
         Paths trapped in the device; they are missing from the result.
     tracing_seconds, reducing_seconds
@@ -33,6 +44,11 @@ class GenerationReport:
     """
 
     paths: int
+    samples: int
+    stop: Literal["samples", "tolerance", "time", "memory"]
+    error: float
+    direction_error: float
+    errors: Bsdf
     lost: int
     tracing_seconds: float
     reducing_seconds: float
@@ -47,10 +63,14 @@ def generate(
     log2_res: int = 5,
     klems: KlemsName | Sequence[tuple[float, float, int]] | None = None,
     subdivide: int = 1,
-    samples: int = 2000,
+    samples: int | None = None,
+    tolerance: float | None = None,
+    direction_tolerance: float = 0.05,
+    time_budget: float | None = None,
+    sampling: Literal["sobol", "random"] = "sobol",
     sides: Literal["front", "back", "both"] = "both",
     color: bool = False,
-    reciprocity: bool = False,
+    reciprocity: bool | None = None,
     prune: bool = True,
     dim: Sequence[float] | None = None,
     tile: bool = False,
@@ -75,13 +95,25 @@ def generate(
         basis is ``"full"`` (145 patches), ``"half"`` (77), ``"half73"`` (as before 2022), ``"quarter"`` (41), or a
         list of rings from the normal outwards: lower and upper polar angle [degree] and number of patches.
     samples
-        Paths per incident cell and side.
+        Paths per incident cell and side, at most. By default 2000, or without limit if ``tolerance`` or ``time_budget``
+        is given.
+    tolerance
+        Stop when the estimated relative error of the whole, Σ abs(error) / Σ BSDF over all finest cells, is this small,
+        and ``direction_tolerance`` is kept too.
+    direction_tolerance
+        Tolerated error of the hemispherical total of any one incident direction, relative to it, or to 0.1 if it is
+        less. Cells are kept small enough for it.
+    time_budget
+        Stop when this time [s] is over. With the same ``samples`` as the report names, the result is the same bits.
+    sampling
+        Whether paths start from evenly spread points (scrambled Sobol) or from independent random ones.
     sides
         Where light comes from: ``"front"`` (the room), ``"back"`` (outside) or both.
     color
         Whether to keep colour.
     reciprocity
-        Whether to average pairs of directions with the same pairs swapped (not for rank 3).
+        Whether to average pairs of directions with the same pairs swapped; by default, where the device's materials
+        are reciprocal, but for rank 3, where it cannot be done.
     prune
         Whether to merge cells of a tree that differ only by noise.
     dim
@@ -107,6 +139,8 @@ def generate(
     ValueError
         If the device or an option is not understood.
     """
+    if sampling not in ("sobol", "random"):
+        raise ValueError(f"sampling {sampling!r}; expected 'sobol' or 'random'")
     device = as_device(device, unit)
     if up.lstrip("+").lower() != "y":
         device = device.turned_up(up)
@@ -121,7 +155,11 @@ def generate(
         log2_res=log2_res,
         klems=klems if klems is None or isinstance(klems, str) else [(lower, upper, n) for lower, upper, n in klems],
         subdivide=subdivide,
-        samples=samples,
+        samples=samples if samples is not None else 2000 if tolerance is None and time_budget is None else 2**32 - 1,
+        tolerance=tolerance,
+        direction_tolerance=direction_tolerance,
+        time_budget=time_budget,
+        stratified=sampling == "sobol",
         sides=sides,
         color=color,
         reciprocity=reciprocity,
@@ -141,11 +179,16 @@ def generate(
         generation.cancel()
         generation.wait(60.0)
         raise
-    core, done = generation.result()
+    core, errors, done = generation.result()
     if progress is not None:
         progress(*generation.paths())
     summary = GenerationReport(
         done["paths"],
+        done["samples"],
+        done["stop"],
+        done["error"],
+        done["direction_error"],
+        Bsdf(errors),
         done["lost"],
         done["tracing_seconds"],
         done["reducing_seconds"],
@@ -160,8 +203,9 @@ def generate(
             subdivide > 1
         )
     made = (
-        f"Created by: bsdftree {_core.__version__} generate ({what}, {samples} samples per incident cell, "
+        f"Created by: bsdftree {_core.__version__} generate ({what}, {summary.samples} samples per incident cell, "
         f"{summary.paths} paths, seed {seed}, sides {sides}{', tiled' if tile else ''}{', color' if color else ''}"
-        f"{', reciprocity' if reciprocity else ''}{'' if prune or klems else ', not pruned'})"
+        f"{'' if reciprocity is None else ', reciprocity' if reciprocity else ', no reciprocity'}"
+        f"{', random' if sampling == 'random' else ''}{'' if prune or klems else ', not pruned'})"
     )
     return Bsdf(core.with_header(None, None, None, [made]))

@@ -32,7 +32,7 @@ fn random_numbers(c: &mut Criterion) {
     group.bench_function("stratified point", |b| {
         b.iter(|| {
             sample += 1;
-            points.point(sample)
+            points.start(1, 2, sample)
         });
     });
     let mut random = Random::new(1, 2, 3);

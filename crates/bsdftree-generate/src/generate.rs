@@ -3,27 +3,27 @@
 //! The unit of work is an incident cell of one side. Its paths are numbered, and everything random about one follows
 //! from (seed, cell, number), so the result has the same bits whatever the number of threads.
 
-use std::sync::Arc;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use bsdftree::color::xyz_from_rgb;
 use bsdftree::tree::TreeError;
-use bsdftree::{Bsdf, Component, Header, Matrix, Part, Scattering, Side};
+use bsdftree::{Bsdf, Header, Rank, Side};
 use bsdftree_device::Device;
 use glam::DVec3;
 use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::bvh::BvhError;
+use crate::estimate::{Counted, Estimated, Estimator};
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
 use crate::path::{Outcome, Scene};
 use crate::progress::Progress;
-use crate::random::{Random, Stratified};
-use crate::reciprocity;
-use crate::reduce::reduce;
-use crate::scatter::{Spectrum, is_neutral};
-use crate::tally::{Row, Tally};
+use crate::random::{N_REPLICATES, Start, Stratified};
+use crate::scatter::{Spectrum, is_neutral, is_reciprocal};
+use crate::schedule::{Stop, affordable, round_after};
+use crate::tally::{Exit, Row, Tally, added};
 use crate::tile::Tile;
 
 /// Most memory that counted paths may take \[byte\].
@@ -47,7 +47,7 @@ pub enum GenerateError {
     )]
     NotPeriodic,
     /// Counting the paths could take more memory than allowed.
-    #[error("counting {samples} paths in each of {cells} incident cells can take {gib:.1} GiB; at most {max} are allowed: lower the samples or the resolution", max = MAX_BYTES >> 30)]
+    #[error("counting more than {samples} paths in each of {cells} incident cells can take {gib:.1} GiB; at most {max} are allowed: lower the samples or the resolution", max = MAX_BYTES >> 30)]
     Memory {
         /// Paths per cell.
         samples: u64,
@@ -75,6 +75,15 @@ pub enum GenerateError {
 pub struct Report {
     /// Paths followed.
     pub paths: u64,
+    /// Paths per incident cell and side.
+    pub samples: u64,
+    /// Why there were no more.
+    pub stop: Stop,
+    /// Estimated Σ|error| / Σ BSDF over all finest cells (of a matrix: weighted by projected solid angles).
+    pub error: f64,
+    /// The largest error of a hemispherical total of an incident cell (95 %, or what the tree departs from what was
+    /// counted), relative to the total, or to 0.1 if that is more.
+    pub direction_error: f64,
     /// Paths that never ended, which are missing from the result.
     pub lost: u64,
     /// Time spent following paths.
@@ -87,15 +96,22 @@ pub struct Report {
     pub warnings: Vec<String>,
 }
 
+/// A BSDF and how well it is known.
+#[derive(Clone, Debug)]
+pub struct Generated {
+    /// The BSDF.
+    pub bsdf: Bsdf,
+    /// The standard error of each of its values, in trees or matrices of the same form. ±2.36 of them is an interval of 95 %.
+    pub errors: Bsdf,
+    /// What was done.
+    pub report: Report,
+}
+
 /// Generates the BSDF of a device.
 ///
 /// # Errors
 /// See [`GenerateError`].
-pub fn generate(
-    device: &Device,
-    options: &Options,
-    progress: &Progress,
-) -> Result<(Bsdf, Report), GenerateError> {
+pub fn generate(device: &Device, options: &Options, progress: &Progress) -> Result<Generated, GenerateError> {
     if let Some(problem) = options.problem() {
         return Err(GenerateError::Option(problem));
     }
@@ -121,13 +137,8 @@ struct Generator<'a, S> {
     aperture: Aperture,
     tile: Option<Tile>,
     progress: &'a Progress,
+    reciprocity: bool,
     xyz: Option<fn(S) -> [f64; 3]>,
-}
-
-/// Counted paths of one side: reflected and transmitted rows, and how many were lost.
-struct Traced<S> {
-    rows: [Vec<Row<S>>; 2],
-    lost: u64,
 }
 
 impl<'a, S: Spectrum> Generator<'a, S> {
@@ -147,43 +158,96 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             }
         };
         let tile = options.tile.then(|| Tile::new(aperture));
-        let layout = &options.layout;
-        let (cells, kept) = (layout.n_incident() as u64, options.samples.min(layout.n_exitant() as u64));
-        let bytes =
-            cells * options.sides.iter().count() as u64 * kept * size_of::<crate::tally::Exit<S>>() as u64;
-        if bytes > MAX_BYTES {
-            let gib = bytes as f64 / (1u64 << 30) as f64;
-            return Err(GenerateError::Memory { samples: options.samples, cells, gib });
-        }
-        Ok(Generator { scene, options, aperture, tile, progress, xyz })
+        let possible = !matches!(options.layout, Layout::Tree { rank: Rank::Three, .. })
+            && device.materials.iter().all(|m| is_reciprocal(&m.material));
+        let reciprocity = options.reciprocity.unwrap_or(possible);
+        Ok(Generator { scene, options, aperture, tile, progress, reciprocity, xyz })
     }
 
-    fn run(&self, device: &Device) -> Result<(Bsdf, Report), GenerateError> {
+    fn run(&self, device: &Device) -> Result<Generated, GenerateError> {
         let begin = Instant::now();
-        let n_sides = self.options.sides.iter().count() as u64;
-        let paths = n_sides * self.options.layout.n_incident() as u64 * self.options.samples;
-        self.progress.begin(paths);
-        let mut traced = Vec::new();
-        for side in self.options.sides.iter() {
-            traced.push((side, self.trace(side)?));
-        }
-        let tracing = begin.elapsed();
-        let begin = Instant::now();
-        let lost = traced.iter().map(|(_, t)| t.lost).sum();
-        let mut bsdf = Bsdf { header: self.header(), ..Bsdf::default() };
-        let components = self.components(traced);
-        let headroom = [Side::Front, Side::Back].map(|side| self.headroom(&components, side));
-        for (part, rows) in components {
-            let headroom = &headroom[usize::from(part.incident_side() == Side::Back)];
-            bsdf.band_mut("Visible").insert(part, self.component(&rows, headroom)?);
-        }
-        if self.options.reciprocity && matches!(self.options.layout, Layout::Klems(_)) {
-            crate::klems::make_reciprocal(bsdf.band_mut("Visible")).map_err(GenerateError::Matrix)?;
-        }
-        let warnings = self.warnings(device, lost);
-        let report =
-            Report { paths, lost, tracing, reducing: begin.elapsed(), aperture: self.aperture, warnings };
-        Ok((bsdf, report))
+        let options = self.options;
+        let empty = || vec![Row::new(); options.layout.n_incident()];
+        let mut counted: Vec<_> =
+            options.sides.iter().map(|side| Counted { side, rows: [empty(), empty()] }).collect();
+        let (mut samples, mut lost) = (0, 0);
+        let (mut tracing, mut reducing) = (Duration::ZERO, Duration::ZERO);
+        let (stop, estimated) = loop {
+            let mut round = round_after(samples, options.samples);
+            if let Some(budget) = options.time_budget {
+                // Reducing takes longer the more was counted.
+                let left = budget.saturating_sub(begin.elapsed()).saturating_sub(2 * reducing);
+                match samples {
+                    0 => {}
+                    _ => match affordable(samples, tracing, left) {
+                        Some(end) => round.end = round.end.min(end),
+                        None => break (Stop::Time, None),
+                    },
+                }
+            }
+            if let Some(gib) = self.gib_after(&counted, &round) {
+                if samples > 0 && (options.tolerance.is_some() || options.time_budget.is_some()) {
+                    break (Stop::Memory, None);
+                }
+                let cells = options.layout.n_incident() as u64;
+                return Err(GenerateError::Memory { samples, cells, gib });
+            }
+            let started = Instant::now();
+            lost += self.count(&mut counted, round.clone())?;
+            samples = round.end;
+            tracing += started.elapsed();
+            if samples == options.samples {
+                break (Stop::Samples, None);
+            }
+            if options.tolerance.is_some() || (options.time_budget.is_some() && reducing.is_zero()) {
+                let started = Instant::now();
+                let estimated = self.estimated(&counted, samples)?;
+                reducing = started.elapsed();
+                let reached = |tolerance: f64| {
+                    estimated.error <= tolerance && estimated.direction_error <= options.direction_tolerance
+                };
+                if options.tolerance.is_some_and(reached) {
+                    break (Stop::Tolerance, Some(estimated));
+                }
+            }
+        };
+        let started = Instant::now();
+        let Estimated { bsdf, errors, error, direction_error } = match estimated {
+            Some(estimated) => estimated,
+            None => self.estimated(&counted, samples)?,
+        };
+        let report = Report {
+            paths: self.paths(samples),
+            samples,
+            stop,
+            error,
+            direction_error,
+            lost,
+            tracing,
+            reducing: reducing.max(started.elapsed()),
+            aperture: self.aperture,
+            warnings: self.warnings(device, lost),
+        };
+        Ok(Generated { bsdf, errors, report })
+    }
+
+    /// Paths from all incident cells.
+    fn paths(&self, samples: u64) -> u64 {
+        samples * (self.options.sides.iter().count() * self.options.layout.n_incident()) as u64
+    }
+
+    /// Memory that a round may take, if that is too much.
+    fn gib_after(&self, counted: &[Counted<S>], round: &Range<u64>) -> Option<f64> {
+        let most =
+            (self.options.samples.min(round.end - round.start)).min(self.options.layout.n_exitant() as u64);
+        let have = || counted.iter().flat_map(|c| &c.rows).flatten();
+        // A round can hold as much again as what there is.
+        let exits = match round.start {
+            0 => self.paths(most),
+            _ => 2 * have().map(|row| row.len() as u64).sum::<u64>(),
+        };
+        let bytes = exits * size_of::<Exit<S>>() as u64;
+        (bytes > MAX_BYTES).then(|| bytes as f64 / (1u64 << 30) as f64)
     }
 
     fn warnings(&self, device: &Device, lost: u64) -> Vec<String> {
@@ -210,56 +274,74 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         }
     }
 
-    fn trace(&self, side: Side) -> Result<Traced<S>, GenerateError> {
-        let layout = &self.options.layout;
-        let cells: Vec<_> = (0..layout.n_incident())
-            .into_par_iter()
-            .map_init(
-                || [0; 2].map(|_| Tally::new(layout.n_exitant())),
-                |tallies, cell| {
-                    if self.progress.is_cancelled() {
-                        return Err(GenerateError::Cancelled);
-                    }
-                    let lost = self.trace_cell(side, cell, tallies);
-                    self.progress.add(self.options.samples);
-                    let [reflected, transmitted] = tallies;
-                    Ok((reflected.drain(), transmitted.drain(), lost))
-                },
-            )
-            .collect::<Result<_, _>>()?;
-        let mut traced = Traced { rows: [Vec::new(), Vec::new()], lost: 0 };
-        for (reflected, transmitted, lost) in cells {
-            traced.rows[0].push(reflected);
-            traced.rows[1].push(transmitted);
-            traced.lost += lost;
+    /// Follows a round of paths from every incident cell and adds them to what was counted; returns how many were lost.
+    fn count(&self, counted: &mut [Counted<S>], round: Range<u64>) -> Result<u64, GenerateError> {
+        let total = match self.options.tolerance.is_some() || self.options.time_budget.is_some() {
+            true => round.end,
+            false => self.options.samples,
+        };
+        self.progress.begin(self.paths(total), self.paths(round.start));
+        let n_exitant = self.options.layout.n_exitant();
+        let mut lost = 0;
+        for Counted { side, rows: [reflected, transmitted] } in counted {
+            lost += reflected
+                .par_iter_mut()
+                .zip(transmitted)
+                .enumerate()
+                .map_init(
+                    || [(); 2].map(|()| Tally::new(n_exitant)),
+                    |tallies, (cell, rows)| {
+                        if self.progress.is_cancelled() {
+                            return Err(GenerateError::Cancelled);
+                        }
+                        let lost = self.count_cell(*side, cell, round.clone(), tallies);
+                        self.progress.add(round.end - round.start);
+                        for (row, tally) in [rows.0, rows.1].into_iter().zip(tallies) {
+                            *row = added(std::mem::take(row), tally.drain());
+                        }
+                        Ok(lost)
+                    },
+                )
+                .try_reduce(|| 0, |a, b| Ok(a + b))?;
         }
-        Ok(traced)
+        Ok(lost)
     }
 
-    fn trace_cell(&self, side: Side, cell: usize, [reflected, transmitted]: &mut [Tally<S>; 2]) -> u64 {
-        let layout = &self.options.layout;
+    fn count_cell(
+        &self,
+        side: Side,
+        cell: usize,
+        round: Range<u64>,
+        [reflected, transmitted]: &mut [Tally<S>; 2],
+    ) -> u64 {
+        let Options { layout, seed, stratified, .. } = self.options;
         let Aperture { min, max } = self.aperture;
         let z = if side == Side::Front { max[2] } else { min[2] };
         // Starting a little before the plane of the aperture, a ray meets also what lies in that plane.
         let margin = 1e-6 * (max[0] - min[0]).min(max[1] - min[1]);
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
-        let stratified = Stratified::new(self.options.seed, stream);
+        let points = Stratified::new(*seed, stream);
         let mut lost = 0;
-        for sample in 0..self.options.samples {
-            let [u, v, s, t] = stratified.point(sample);
+        for sample in round {
+            let mut start = match stratified {
+                true => points.start(*seed, stream, sample),
+                false => Start::independent(*seed, stream, sample),
+            };
+            let [u, v] = start.incident;
+            let [s, t] = start.origin;
             let disk = layout.incident_disk(cell, u, v);
-            let toward = side.opposite().direction_from_disk(disk);
-            let direction = DVec3::from_array(toward);
+            let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
             let place = DVec3::new(min[0] + s * (max[0] - min[0]), min[1] + t * (max[1] - min[1]), z);
-            let mut random = Random::new(self.options.seed, stream, sample);
-            match self.scene.follow(place - direction * margin, direction, self.tile.as_ref(), &mut random) {
+            let origin = place - direction * margin;
+            match self.scene.follow(origin, direction, self.tile.as_ref(), &mut start.random) {
                 Outcome::Left(exitant, weight) => {
                     let tally = if Side::of(exitant.to_array()) == side {
                         &mut *reflected
                     } else {
                         &mut *transmitted
                     };
-                    tally.add(layout.exitant_cell(disk, [exitant.x, exitant.y]), weight);
+                    let replicate = (sample % N_REPLICATES as u64) as usize;
+                    tally.add(layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
                 }
                 Outcome::Absorbed => {}
                 Outcome::Lost => lost += 1,
@@ -268,66 +350,14 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         lost
     }
 
-    /// The rows of each part, averaged with what travelled the other way if that is asked for.
-    fn components(&self, traced: Vec<(Side, Traced<S>)>) -> Vec<(Part, Vec<Row<S>>)> {
-        let mut parts = Vec::new();
-        for (side, Traced { rows: [reflected, transmitted], .. }) in traced {
-            parts.push((Part::between(side, side), reflected));
-            parts.push((Part::between(side, side.opposite()), transmitted));
-        }
-        if self.options.reciprocity && matches!(self.options.layout, Layout::Tree { .. }) {
-            let n = self.options.samples;
-            for (_, rows) in parts.iter_mut().filter(|(part, _)| part.is_reflection()) {
-                *rows = reciprocity::averaged(rows, rows, n);
-            }
-            if let [_, (_, a), _, (_, b)] = parts.as_mut_slice() {
-                (*a, *b) = (reciprocity::averaged(a, b, n), reciprocity::averaged(b, a, n));
-            }
-        }
-        parts
-    }
-
-    /// The part of the light from each incident cell of a side that did not leave the device.
-    fn headroom(&self, components: &[(Part, Vec<Row<S>>)], side: Side) -> Vec<f64> {
-        let mut headroom = vec![1.0; self.options.layout.n_incident()];
-        for (_, rows) in components.iter().filter(|(part, _)| part.incident_side() == side) {
-            for (room, row) in headroom.iter_mut().zip(rows) {
-                let left: f64 = row.iter().map(|exit| exit.sum.luminance()).sum();
-                *room -= left / self.options.samples as f64;
-            }
-        }
-        headroom
-    }
-
-    fn component(&self, rows: &[Row<S>], headroom: &[f64]) -> Result<Component, GenerateError> {
-        let n = self.options.samples;
-        match &self.options.layout {
-            Layout::Tree { rank, log2_res } => {
-                let reduced = reduce(*rank, *log2_res, rows, n, headroom, self.options.pruned, self.xyz)?;
-                let chroma = reduced.chroma.map(|trees| trees.map(Scattering::from));
-                Ok(Component { luminance: reduced.luminance.into(), chroma })
-            }
-            Layout::Klems(basis) => {
-                let matrix = |value: &dyn Fn(S) -> f64| {
-                    let mut values = vec![0.0f32; basis.n_patches() * basis.n_patches()];
-                    for (row, cells) in values.chunks_exact_mut(basis.n_patches()).zip(rows) {
-                        for exit in cells {
-                            let k = exit.cell as usize;
-                            row[k] =
-                                (value(exit.sum) / (n as f64 * self.options.layout.exitant_area(k))) as f32;
-                        }
-                    }
-                    Matrix::new(Arc::clone(basis), Arc::clone(basis), values)
-                        .map(Scattering::from)
-                        .map_err(GenerateError::Matrix)
-                };
-                let chroma = match self.xyz {
-                    None => None,
-                    Some(xyz) => Some([matrix(&|s| xyz(s)[0])?, matrix(&|s| xyz(s)[2])?]),
-                };
-                Ok(Component { luminance: matrix(&|s| s.luminance())?, chroma })
-            }
-        }
+    fn estimated(&self, counted: &[Counted<S>], samples: u64) -> Result<Estimated, GenerateError> {
+        let estimator = Estimator {
+            options: self.options,
+            reciprocity: self.reciprocity,
+            xyz: self.xyz,
+            n: samples as f64,
+        };
+        estimator.estimated(counted, Bsdf { header: self.header(), ..Bsdf::default() })
     }
 }
 

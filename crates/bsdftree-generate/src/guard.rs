@@ -10,26 +10,33 @@
 use rayon::prelude::*;
 
 use crate::reduce::{Kept, Member, Reducer, Region};
+use crate::scatter::Spectrum;
 
-/// Tolerated |P − H| relative to H …
-const TOLERANCE: f64 = 0.05;
-/// … and relative to the standard error of H …
+/// |P − H| is tolerated relative to H, or to this if H is less.
+pub(crate) const LEAST_TOTAL: f64 = 0.1;
+/// Tolerated |P − H| relative to the standard error of H.
 const ERRORS: f64 = 3.0;
-/// … and absolutely: half a percent of the incident light.
-const FLOOR: f64 = 0.005;
 /// Tolerated excess of all scattered light over what came in, for each of the two components that share it.
 const EXCESS: f64 = 0.004;
 /// Splitting ends by itself: each round deepens a leaf. This only bounds the time.
 const MAX_ROUNDS: u32 = 40;
 
-/// The tree with leaves split until totals are kept. `headroom` is, for each incident cell, the part of the light that was counted
-/// neither as reflected nor as transmitted.
-pub(crate) fn guarded(reducer: &Reducer<'_>, kept: Kept, headroom: &[f64]) -> Kept {
+/// The tree with leaves split until totals are kept, and by how much each incident cell's total departs from what was counted.
+/// `totals` are those, before they were averaged with what travelled the other way, which would make them less exact; `headroom` is,
+/// for each incident cell, the part of the light that was counted neither as reflected nor as transmitted.
+pub(crate) fn guarded<S: Spectrum>(
+    reducer: &Reducer<'_, S>,
+    kept: Kept,
+    totals: &[f64],
+    headroom: &[f64],
+    tolerance: f64,
+) -> (Kept, Vec<f64>) {
     let (root, members) = reducer.root();
-    let limits = limits(reducer, &members, headroom);
+    let limits = limits(reducer, &members, headroom, tolerance);
     let mut leaves = Vec::new();
     let shape = flattened(reducer, kept, root, &members, &mut leaves);
-    let mut sums = vec![0.0; limits.len()];
+    let mut sums: Vec<f64> = totals.iter().map(|total| -total).collect();
+    members.iter().for_each(|&member| sums[member[0] as usize] += reducer.sums(member).0);
     leaves.iter().for_each(|leaf| leaf.contributions(reducer, |row, d| sums[row as usize] += d));
     for _ in 0..MAX_ROUNDS {
         let mut excess: Vec<_> =
@@ -54,16 +61,22 @@ pub(crate) fn guarded(reducer: &Reducer<'_>, kept: Kept, headroom: &[f64]) -> Ke
             leaves[index].split = Some(split);
         }
     }
-    assembled(&shape, &leaves)
+    (assembled(&shape, &leaves), sums)
 }
 
 /// How much more, and how much less, than counted the tree may give each incident cell.
-fn limits(reducer: &Reducer<'_>, members: &[Member], headroom: &[f64]) -> Vec<[f64; 2]> {
-    let mut limits = vec![[FLOOR; 2]; headroom.len()];
+fn limits<S: Spectrum>(
+    reducer: &Reducer<'_, S>,
+    members: &[Member],
+    headroom: &[f64],
+    tolerance: f64,
+) -> Vec<[f64; 2]> {
+    let floor = tolerance * LEAST_TOTAL;
+    let mut limits = vec![[floor; 2]; headroom.len()];
     for &member in members {
         let row = member[0] as usize;
         let noise = ERRORS * reducer.variance(member).sqrt();
-        let limit = (TOLERANCE * reducer.sums(member).0).max(noise).max(FLOOR);
+        let limit = (tolerance * reducer.sums(member).0).max(noise).max(floor);
         limits[row] = [limit.min(0.5 * headroom[row].max(0.0) + EXCESS), limit];
     }
     limits
@@ -72,7 +85,7 @@ fn limits(reducer: &Reducer<'_>, members: &[Member], headroom: &[f64]) -> Vec<[f
 /// A leaf of the tree with the counts that fell into it.
 struct Leaf {
     value: f64,
-    xyz: [f64; 3],
+    xyz: [f32; 3],
     region: Region,
     members: Vec<Member>,
     /// What took its place.
@@ -87,7 +100,7 @@ enum Shape {
 
 impl Leaf {
     /// Calls `f` for each incident cell with how much more light the leaf gives it than was counted.
-    fn contributions(&self, reducer: &Reducer<'_>, mut f: impl FnMut(u32, f64)) {
+    fn contributions<S: Spectrum>(&self, reducer: &Reducer<'_, S>, mut f: impl FnMut(u32, f64)) {
         if self.value == 0.0 && self.members.is_empty() {
             return;
         }
@@ -100,8 +113,8 @@ impl Leaf {
     }
 }
 
-fn flattened(
-    reducer: &Reducer<'_>,
+fn flattened<S: Spectrum>(
+    reducer: &Reducer<'_, S>,
     kept: Kept,
     region: Region,
     members: &[Member],
@@ -133,7 +146,12 @@ fn assembled(shape: &Shape, leaves: &[Leaf]) -> Kept {
 }
 
 /// Leaves to split, best first; takes what they would remove from the excess.
-fn leaves_to_split(reducer: &Reducer<'_>, leaves: &[Leaf], sums: &[f64], excess: &mut [f64]) -> Vec<usize> {
+fn leaves_to_split<S: Spectrum>(
+    reducer: &Reducer<'_, S>,
+    leaves: &[Leaf],
+    sums: &[f64],
+    excess: &mut [f64],
+) -> Vec<usize> {
     struct Candidate {
         leaf: usize,
         score: f64,

@@ -93,6 +93,19 @@ impl Layout {
         }
     }
 
+    /// The incident cell from which light comes that travels against an exitant cell's, or the other way round. Not for rank 3.
+    pub fn reversed(&self, cell: usize) -> usize {
+        match self {
+            Layout::Tree { log2_res, .. } => (1 << (2 * log2_res)) - 1 - cell,
+            // The middle of a patch, turned by 180° about the normal.
+            Layout::Klems(basis) if basis.rings()[0].n_phi == 1 && cell == 0 => 0,
+            Layout::Klems(basis) => {
+                let [x, y] = basis.disk_point(cell, 0.5, 0.5);
+                basis.patch(Side::Front.direction_from_disk([-x, -y]))
+            }
+        }
+    }
+
     /// Projected solid angle of an exitant cell \[sr\].
     pub fn exitant_area(&self, cell: usize) -> f64 {
         match self {

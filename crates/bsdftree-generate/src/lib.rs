@@ -1,6 +1,6 @@
 //! Ray-traces a device into a variable-resolution BSDF.
 //!
-//! What enters: a [`Device`](bsdftree_device::Device) and [`Options`]. What leaves: a [`Bsdf`](bsdftree::Bsdf) and a [`Report`].
+//! What enters: a [`Device`](bsdftree_device::Device) and [`Options`]. What leaves: a [`Bsdf`](bsdftree::Bsdf), its standard errors and a [`Report`].
 //! Invariant: the result is a function of device and options alone, the same bits for any number of threads.
 //!
 //! ```
@@ -10,10 +10,10 @@
 //!
 //! let mirror = Device::from_spec("mirror:reflectance=0.9")?;
 //! let options = Options { samples: 64, ..Options::new(Layout::Tree { rank: Rank::Three, log2_res: 4 }) };
-//! let (bsdf, report) = generate(&mirror, &options, &Progress::default())?;
-//! let visible = bsdf.band("Visible").expect("generated");
+//! let generated = generate(&mirror, &options, &Progress::default())?;
+//! let visible = generated.bsdf.band("Visible").expect("generated");
 //! assert!((visible.hemispherical([0.0, 0.6, 0.8], Lobes::Reflection) - 0.9).abs() < 1e-6);
-//! assert_eq!(report.paths, 2 * 8 * 64);
+//! assert_eq!(generated.report.paths, 2 * 8 * 64);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -23,16 +23,21 @@ pub mod bvh;
 pub mod tile;
 pub mod path;
 pub mod layout;
+#[cfg_attr(not(test), allow(dead_code, unused_imports))]
+mod diffuse;
 pub mod tally;
 mod reciprocity;
-mod guard;
 mod reduce;
-mod klems;
+mod guard;
+mod errors;
+pub mod schedule;
 pub mod progress;
 pub mod options;
+mod estimate;
 pub mod generate;
 
-pub use generate::{GenerateError, Report, generate};
+pub use generate::{GenerateError, Generated, Report, generate};
 pub use layout::Layout;
 pub use options::{Aperture, Options, Sides};
 pub use progress::Progress;
+pub use schedule::Stop;

@@ -1,5 +1,7 @@
 //! What is asked of a generation.
 
+use std::time::Duration;
+
 use bsdftree::Side;
 use bsdftree::bsdf::LengthUnit;
 
@@ -43,14 +45,24 @@ impl Sides {
 pub struct Options {
     /// Tree of which rank and resolution, or Klems basis.
     pub layout: Layout,
-    /// Paths per incident cell and side.
+    /// Paths per incident cell and side, at most.
     pub samples: u64,
+    /// Ends earlier, when the estimated error is this small: Σ|error| / Σ BSDF over all cells, and `direction_tolerance` is kept too.
+    pub tolerance: Option<f64>,
+    /// Wrong light tolerated in the hemispherical reflectance or transmittance of any one incident direction, relative to
+    /// it, or to 0.1 if it is less. Leaves are kept small enough for it.
+    pub direction_tolerance: f64,
+    /// Ends earlier, when this time is over.
+    pub time_budget: Option<Duration>,
+    /// Whether paths start from evenly spread points, or else from independent ones.
+    pub stratified: bool,
     /// The sides that light comes from.
     pub sides: Sides,
     /// Whether to keep colour.
     pub color: bool,
-    /// Whether to average pairs travelled one way with the same pairs travelled the other way.
-    pub reciprocity: bool,
+    /// Whether to average pairs travelled one way with the same pairs travelled the other way; by default, in rank-4 trees of
+    /// devices whose materials are reciprocal.
+    pub reciprocity: Option<bool>,
     /// Whether to merge cells that differ only by noise; trees only.
     pub pruned: bool,
     /// The device's box; its bounding box by default.
@@ -71,9 +83,13 @@ impl Options {
         Options {
             layout,
             samples: 2000,
+            tolerance: None,
+            direction_tolerance: 0.05,
+            time_budget: None,
+            stratified: true,
             sides: Sides::Both,
             color: false,
-            reciprocity: false,
+            reciprocity: None,
             pruned: true,
             aperture: None,
             tile: false,
@@ -88,6 +104,13 @@ impl Options {
         if self.samples == 0 || self.samples > u64::from(u32::MAX) {
             return Some(format!("{} samples per incident cell; expected 1 to 4294967295", self.samples));
         }
+        for (name, value) in
+            [("tolerance", self.tolerance), ("tolerance of directions", Some(self.direction_tolerance))]
+        {
+            if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
+                return Some(format!("a {name} of {value}; expected a number above 0, e.g. 0.05 for 5 %"));
+            }
+        }
         if self.threads == Some(0) {
             return Some("0 threads; expected at least 1".into());
         }
@@ -97,7 +120,7 @@ impl Options {
                     "a resolution of 2^{log2_res} per axis; expected 2^1 to 2^{MAX_LOG2_RES}"
                 ));
             }
-            if self.reciprocity && *rank == bsdftree::Rank::Three {
+            if self.reciprocity == Some(true) && *rank == bsdftree::Rank::Three {
                 return Some(
                     "reciprocity averaging of rank-3 trees; it is done for rank 4 and Klems bases".into(),
                 );

@@ -25,8 +25,10 @@ impl Progress {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    pub(crate) fn begin(&self, total: u64) {
+    /// There will be `total` paths, as far as is known, of which `done` are done.
+    pub(crate) fn begin(&self, total: u64, done: u64) {
         self.total.store(total, Ordering::Relaxed);
+        self.done.store(done, Ordering::Relaxed);
     }
 
     pub(crate) fn add(&self, paths: u64) {

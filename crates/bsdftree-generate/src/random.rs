@@ -6,8 +6,9 @@
 //!
 //! Sources: Philox4x32-10, J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy
 //! as 1, 2, 3", SC '11, doi:10.1145/2063384.2063405. The stratified points: S. Joe, F. Y. Kuo,
-//! "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008), with the
-//! digital form of the random shift of R. Cranley, T. N. L. Patterson, SIAM J. Numer. Anal. 13 (1976).
+//! "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008); their scrambling:
+//! A. B. Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences" (1995), by the hash of S. Laine, T. Karras, "Stratified
+//! sampling for stochastic transparency", CGF 30 (2011), with the constants of N. Vegdahl (2021).
 
 /// Cells and samples are numbered below this: 48 bits each, which with a 32-bit block number fill the counter.
 pub const NUMBER_LIMIT: u64 = 1 << 48;
@@ -102,13 +103,29 @@ impl Random {
     }
 }
 
-/// The first four numbers of each path of an incident cell, spread evenly: incident square (2), origin (2).
+/// Independent scramblings among which the paths of an incident cell are dealt in turn. Their scatter is the error of a mean, which
+/// the scatter of the points of one scrambling is not.
+pub const N_REPLICATES: usize = 8;
+
+/// The first numbers of each path of an incident cell, spread evenly: incident square (2), origin (2), and the first four
+/// random words of the path, which decide its first bounce.
 ///
-/// A Sobol sequence, each coordinate exclusive-ored with random bits of the cell. Each point by itself is uniform
-/// because those bits are, so that a mean over any number of points is unbiased; it is best over a power of two.
+/// Paths are dealt in turn to [`N_REPLICATES`] Sobol sequences, each with its own nested uniform (Owen) scrambling. Each point by
+/// itself is uniform, so that a mean over any number of points is unbiased; it is best over a power of two in each sequence.
 #[derive(Clone, Debug)]
 pub struct Stratified {
-    shift: [u64; 4],
+    scrambles: [[u32; 8]; N_REPLICATES],
+}
+
+/// Where a path starts, as a point of the incident cell's square and one of the aperture, and its random words.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// In the incident cell, \[0, 1)².
+    pub incident: [f64; 2],
+    /// In the aperture, \[0, 1)².
+    pub origin: [f64; 2],
+    /// The path's stream, whose first four words belong to the point.
+    pub random: Random,
 }
 
 impl Stratified {
@@ -117,58 +134,97 @@ impl Stratified {
     /// # Panics
     /// If `cell` is not below [`NUMBER_LIMIT`].
     pub fn new(seed: u64, cell: u64) -> Self {
-        // The last blocks of the counter, which no path reaches, so that shifts share no bits with paths.
+        // The last blocks of the counter, which no path reaches, so that scramblings share no bits with paths.
         let mut random = Random::new(seed, cell, 0);
-        random.counter[0] = u32::MAX - 2;
-        Stratified {
-            shift: [(); 4].map(|()| u64::from(random.next_u32()) << 32 | u64::from(random.next_u32())),
-        }
+        random.counter[0] = u32::MAX - 2 * N_REPLICATES as u32;
+        Stratified { scrambles: [(); N_REPLICATES].map(|()| [(); 8].map(|()| random.next_u32())) }
     }
 
-    /// Point number `sample` (below [`NUMBER_LIMIT`]), each coordinate in [0, 1).
-    ///
-    /// # Panics
-    /// If `sample` is not below [`NUMBER_LIMIT`].
+    /// The 32-bit fractions of point number `sample`, below 8 · 2³².
     #[inline]
-    pub fn point(&self, sample: u64) -> [f64; 4] {
-        let (mut point, mut left) = (self.shift, sample);
+    fn point(&self, sample: u64) -> [u32; 8] {
+        let scramble = &self.scrambles[(sample % N_REPLICATES as u64) as usize];
+        let (mut point, mut left) = ([0u32; 8], (sample / N_REPLICATES as u64) as u32);
         while left != 0 {
             let direction = &DIRECTIONS[left.trailing_zeros() as usize];
-            point = [0, 1, 2, 3].map(|j| point[j] ^ direction[j]);
+            point = std::array::from_fn(|j| point[j] ^ direction[j]);
             left &= left - 1;
         }
-        point.map(|bits| (bits >> 11) as f64 * 2.0_f64.powi(-53))
+        std::array::from_fn(|j| scrambled(point[j], scramble[j]).reverse_bits())
+    }
+
+    /// The start of path `sample` of the cell and seed that `self` was made for.
+    #[inline]
+    pub fn start(&self, seed: u64, cell: u64, sample: u64) -> Start {
+        let [u, v, s, t, words @ ..] = self.point(sample);
+        let random = Random { block: words, used: 0, ..Random::new(seed, cell, sample) };
+        Start { incident: [fraction(u), fraction(v)], origin: [fraction(s), fraction(t)], random }
     }
 }
 
-/// Direction numbers of the four coordinates for each bit of a sample's number, as 64-bit fractions.
-static DIRECTIONS: [[u64; 4]; 48] = directions();
+impl Start {
+    /// The start of a path whose numbers are all independent.
+    pub fn independent(seed: u64, cell: u64, sample: u64) -> Start {
+        let mut random = Random::new(seed, cell, sample);
+        let [u, v, s, t] = [(); 4].map(|()| random.next_u32());
+        Start { incident: [fraction(u), fraction(v)], origin: [fraction(s), fraction(t)], random }
+    }
+}
 
-const fn directions() -> [[u64; 4]; 48] {
+/// In [0, 1).
+#[inline]
+fn fraction(word: u32) -> f64 {
+    f64::from(word) * 2.0_f64.powi(-32)
+}
+
+/// A hash in which no bit depends on a higher one: a nested uniform scrambling of fractions whose bits are reversed.
+#[inline]
+fn scrambled(mut x: u32, seed: u32) -> u32 {
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul(seed >> 16 | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^ x.wrapping_mul(0x53a2_2864)
+}
+
+/// Direction numbers of the eight coordinates for each bit of a sample's number, as 32-bit fractions with the bits reversed.
+static DIRECTIONS: [[u32; 8]; 32] = directions();
+
+const fn directions() -> [[u32; 8]; 32] {
     // Degree, inner coefficients and first numbers of the primitive polynomials of the table new-joe-kuo-6.
-    const POLYNOMIALS: [(usize, u64, [u64; 3]); 4] =
-        [(0, 0, [0, 0, 0]), (1, 0, [1, 0, 0]), (2, 1, [1, 3, 0]), (3, 1, [1, 3, 1])];
-    let mut table = [[0; 4]; 48];
+    const POLYNOMIALS: [(usize, u32, [u32; 5]); 8] = [
+        (0, 0, [0, 0, 0, 0, 0]),
+        (1, 0, [1, 0, 0, 0, 0]),
+        (2, 1, [1, 3, 0, 0, 0]),
+        (3, 1, [1, 3, 1, 0, 0]),
+        (3, 2, [1, 1, 1, 0, 0]),
+        (4, 1, [1, 1, 3, 3, 0]),
+        (4, 4, [1, 3, 5, 13, 0]),
+        (5, 2, [1, 1, 5, 5, 17]),
+    ];
+    let mut table = [[0; 8]; 32];
     let mut j = 0;
-    while j < 4 {
+    while j < 8 {
         let (degree, inner, first) = POLYNOMIALS[j];
+        let mut column = [0u32; 32];
         let mut bit = 0;
-        while bit < 48 {
-            table[bit][j] = if degree == 0 {
-                1 << (63 - bit)
+        while bit < 32 {
+            column[bit] = if degree == 0 {
+                1 << (31 - bit)
             } else if bit < degree {
-                first[bit] << (63 - bit)
+                first[bit] << (31 - bit)
             } else {
-                let mut v = table[bit - degree][j] ^ (table[bit - degree][j] >> degree);
+                let mut v = column[bit - degree] ^ (column[bit - degree] >> degree);
                 let mut k = 1;
                 while k < degree {
                     if (inner >> (degree - 1 - k)) & 1 == 1 {
-                        v ^= table[bit - k][j];
+                        v ^= column[bit - k];
                     }
                     k += 1;
                 }
                 v
             };
+            table[bit][j] = column[bit].reverse_bits();
             bit += 1;
         }
         j += 1;
@@ -251,94 +307,112 @@ mod tests {
         assert!(extreme(0).next_open() > 0.0 && extreme(u32::MAX).next_open() < 1.0);
     }
 
-    /// A smooth function of all four coordinates with mean (1 − 1/e)⁴.
-    fn smooth(p: [f64; 4]) -> f64 {
-        p.iter().map(|x| (-x).exp()).product()
+    /// The eight numbers of a start.
+    fn numbers(start: &Start) -> [f64; 8] {
+        let [a, b, c, d] = start.random.block.map(fraction);
+        let ([u, v], [s, t]) = (start.incident, start.origin);
+        [u, v, s, t, a, b, c, d]
+    }
+
+    /// A smooth function of all eight coordinates with mean 1.
+    fn smooth(p: [f64; 8]) -> f64 {
+        p.iter().enumerate().map(|(j, x)| 1.0 + (x - 0.5) / (1.0 + j as f64)).product()
+    }
+
+    fn mean(cell: u64, n: u64) -> f64 {
+        let points = Stratified::new(9, cell);
+        (0..n).map(|k| smooth(numbers(&points.start(9, cell, k)))).sum::<f64>() / n as f64
     }
 
     #[test]
-    fn stratified_points_are_unbiased_for_any_number_of_them() {
-        let exact = (1.0 - (-1.0_f64).exp()).powi(4);
+    fn stratified_starts_are_unbiased_for_any_number_of_them() {
         for n in [1, 3, 10, 100] {
-            let runs: Vec<f64> = (0..4000)
-                .map(|cell| {
-                    let points = Stratified::new(9, cell);
-                    (0..n).map(|k| smooth(points.point(k))).sum::<f64>() / n as f64
-                })
-                .collect();
+            let runs: Vec<f64> = (0..4000).map(|cell| mean(cell, n)).collect();
             let mean = runs.iter().sum::<f64>() / runs.len() as f64;
             let variance = runs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (runs.len() - 1) as f64;
-            let z = (mean - exact) / (variance / runs.len() as f64).sqrt();
+            let z = (mean - 1.0) / (variance / runs.len() as f64).sqrt();
             assert!(z.abs() < 4.5, "n = {n}: z = {z}");
         }
     }
 
     #[test]
-    fn shifts_of_a_cell_are_no_numbers_of_its_paths() {
-        let mut path = Random::new(3, 8, 0);
-        let words: Vec<u32> = (0..1000).map(|_| path.next_u32()).collect();
-        for shift in Stratified::new(3, 8).shift {
-            assert!(!words.contains(&(shift as u32)) && !words.contains(&((shift >> 32) as u32)));
+    fn replicates_are_independent() {
+        // The variance of the mean of all is that of the mean of independent ones: correlated ones would differ by up to 8 times.
+        let n = 8 * 32;
+        let (mut of_means, mut mean_of) = (0.0, 0.0);
+        for cell in 0..2000 {
+            let points = Stratified::new(2, cell);
+            let of = |r: u64| {
+                (0..32).map(|k| smooth(numbers(&points.start(2, cell, 8 * k + r))) - 1.0).sum::<f64>() / 32.0
+            };
+            let replicates: [f64; 8] = std::array::from_fn(|r| of(r as u64));
+            of_means += (replicates.iter().sum::<f64>() / 8.0).powi(2);
+            mean_of += replicates.iter().map(|x| x * x).sum::<f64>() / 64.0;
         }
+        // Of 2000 squares of normal numbers each, within 4 standard errors (of the first: 1/√1000; of the second: 1/√8000).
+        assert!((of_means / mean_of - 1.0).abs() < 0.14, "{n}: {of_means} {mean_of}");
     }
 
     #[test]
-    fn stratified_points_are_those_of_sobol() {
-        // Points 1 to 7 of scipy.stats.qmc.Sobol(4, scramble=False) in its Gray-code order, times 8.
-        let sobol = Stratified { shift: [0; 4] };
-        let gray = |k: u64| sobol.point(k ^ (k >> 1)).map(|x| 8.0 * x);
-        let expected: [[f64; 4]; 7] = [
-            [4.0, 4.0, 4.0, 4.0],
-            [6.0, 2.0, 2.0, 2.0],
-            [2.0, 6.0, 6.0, 6.0],
-            [3.0, 3.0, 5.0, 7.0],
-            [7.0, 7.0, 1.0, 3.0],
-            [5.0, 1.0, 7.0, 5.0],
-            [1.0, 5.0, 3.0, 1.0],
-        ];
-        assert_eq!(std::array::from_fn(|k| gray(k as u64 + 1)), expected);
+    fn scramblings_of_a_cell_are_no_numbers_of_its_paths() {
+        let mut path = Random::new(3, 8, 0);
+        let words: Vec<u32> = (0..1000).map(|_| path.next_u32()).collect();
+        assert!(!Stratified::new(3, 8).scrambles.iter().flatten().any(|word| words.contains(word)));
+    }
+
+    #[test]
+    fn directions_are_those_of_sobol() {
+        // Points 3, 1000 and 123456 of scipy.stats.qmc.Sobol(8, scramble=False) in its Gray-code order, times 2^20.
+        let point = |k: u32| -> [u32; 8] {
+            let gray = k ^ (k >> 1);
+            std::array::from_fn(|j| {
+                let bits = (0..32).filter(|b| gray >> b & 1 == 1);
+                bits.fold(0, |x, b| x ^ DIRECTIONS[b as usize][j]).reverse_bits() >> 12
+            })
+        };
+        assert_eq!(point(3), [262144, 786432, 786432, 786432, 262144, 262144, 786432, 262144]);
+        assert_eq!(point(1000), [230400, 101376, 543744, 709632, 293888, 951296, 48128, 943104]);
+        assert_eq!(point(123_456), [27784, 191624, 322184, 472184, 177400, 213128, 750600, 486600]);
     }
 
     #[test]
     fn stratified_points_fill_every_elementary_interval() {
-        // Each coordinate in 2^10 intervals, and the incident square in each grid of 2^10 equal rectangles: one point each.
+        // In each replicate, each coordinate in 2^10 intervals, and the incident square in each grid of 2^10 equal rectangles: one
+        // point each.
         let points = Stratified::new(7, 7);
-        let points: Vec<_> = (0..1024).map(|k| points.point(k)).collect();
-        let filled = |index: &dyn Fn(&[f64; 4]) -> usize| {
-            let mut seen = vec![false; 1024];
-            points.iter().for_each(|p| seen[index(p)] = true);
-            seen.iter().all(|&s| s)
-        };
-        for j in 0..4 {
-            assert!(filled(&|p| (p[j] * 1024.0) as usize));
-        }
-        for log2 in 0..=10 {
-            let columns = f64::from(1 << log2);
-            assert!(filled(
-                &|p| (p[0] * columns) as usize + (p[1] * 1024.0 / columns) as usize * columns as usize
-            ));
+        for replicate in 0..N_REPLICATES as u64 {
+            let points: Vec<_> = (0..1024)
+                .map(|k| numbers(&points.start(7, 7, k * N_REPLICATES as u64 + replicate)))
+                .collect();
+            let filled = |index: &dyn Fn(&[f64; 8]) -> usize| {
+                let mut seen = vec![false; 1024];
+                points.iter().for_each(|p| seen[index(p)] = true);
+                seen.iter().all(|&s| s)
+            };
+            for j in 0..8 {
+                assert!(filled(&|p| (p[j] * 1024.0) as usize));
+            }
+            for log2 in 0..=10 {
+                let columns = f64::from(1 << log2);
+                assert!(filled(
+                    &|p| (p[0] * columns) as usize + (p[1] * 1024.0 / columns) as usize * columns as usize
+                ));
+            }
         }
     }
 
     #[test]
     fn stratified_points_integrate_better_than_independent_ones() {
-        let exact = (1.0 - (-1.0_f64).exp()).powi(4);
-        let n = 1000;
-        let error2 = |mean: f64| (mean - exact).powi(2);
+        let n = 8 * 256;
         let (mut stratified, mut independent) = (0.0, 0.0);
         for cell in 0..100 {
-            let points = Stratified::new(4, cell);
-            stratified += error2((0..n).map(|k| smooth(points.point(k))).sum::<f64>() / n as f64);
-            independent += error2(
-                (0..n)
-                    .map(|k| {
-                        let mut random = Random::new(4, cell, k);
-                        smooth(std::array::from_fn(|_| random.next_f64()))
-                    })
-                    .sum::<f64>()
-                    / n as f64,
-            );
+            stratified += (mean(cell, n) - 1.0).powi(2);
+            let starts = (0..n).map(|k| Start::independent(4, cell, k)).map(|mut start| {
+                start.random.refill();
+                smooth(numbers(&start))
+            });
+            independent += (starts.sum::<f64>() / n as f64 - 1.0).powi(2);
         }
-        assert!(stratified < independent / 50.0, "{stratified} {independent}");
+        assert!(stratified < independent / 20.0, "{stratified} {independent}");
     }
 }

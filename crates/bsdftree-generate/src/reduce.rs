@@ -15,9 +15,8 @@ use bsdftree::color::uv_from_xyz;
 use bsdftree::tree::{Rank, Slot, Tree, TreeBuilder, TreeError};
 use rayon::prelude::*;
 
-use crate::guard::guarded;
 use crate::scatter::Spectrum;
-use crate::tally::Row;
+use crate::tally::{Exit, Row};
 
 /// What a unit of noise costs beside a unit of spread. Measured: flat between 2 and 3, and 1.5 keeps noise as detail.
 const LAMBDA: f64 = 2.0;
@@ -25,90 +24,38 @@ const LAMBDA: f64 = 2.0;
 /// Differences of u′ or v′ that are not kept: about one MacAdam step.
 const CHROMA_TOLERANCE: f64 = 0.001;
 
-/// Estimated trees of one component.
-pub struct Reduced {
+/// The trees of one component.
+pub(crate) struct Trees {
     /// Y, or the one value there is.
     pub luminance: Tree,
     /// u′ and v′.
     pub chroma: Option<[Tree; 2]>,
 }
 
-/// Reduces rows of paths, one per incident cell, to trees. `pruned: false` keeps every cell that the paths resolve.
-/// `headroom` is the part of each incident cell's light that did not leave at all.
-/// `xyz` turns sums into CIE X, Y, Z where the colour of the result is asked for.
-pub fn reduce<S: Spectrum>(
-    rank: Rank,
-    log2_res: u32,
-    rows: &[Row<S>],
-    n_samples: u64,
-    headroom: &[f64],
-    pruned: bool,
-    xyz: Option<fn(S) -> [f64; 3]>,
-) -> Result<Reduced, TreeError> {
-    let omega = std::f64::consts::PI * 0.25f64.powi(log2_res as i32);
-    let rows: Vec<_> = rows.par_iter().map(|row| Prefix::new(row, xyz)).collect();
-    let reducer = Reducer { rank, log2_res, rows: &rows, n: n_samples as f64, omega, pruned };
-    let (region, members) = reducer.root();
-    let mut root = reducer.decide(region, &members, 0.0).kept;
-    if pruned {
-        root = guarded(&reducer, root, headroom);
-    }
-    let tree = |f: &dyn Fn(&mut TreeBuilder) -> Result<Slot, TreeError>| {
-        let mut builder = TreeBuilder::new(rank);
-        let root = f(&mut builder)?;
-        Ok::<_, TreeError>(Tree::new(builder.finish(root)))
-    };
-    let luminance = tree(&|b| luminance_slot(&root, rank, b))?;
-    let chroma = match xyz {
-        None => None,
-        Some(_) => {
-            let chroma = Chroma::of(&root);
-            Some([tree(&|b| chroma.slot(0, rank, b))?, tree(&|b| chroma.slot(1, rank, b))?])
-        }
-    };
-    Ok(Reduced { luminance, chroma })
-}
-
-/// A row as running sums, so that any range of its cells is summed by a subtraction.
-pub(crate) struct Prefix {
-    cells: Vec<u32>,
-    luminance: Vec<f64>,
-    squares: Vec<f64>,
-    /// X, Y, Z; empty without colour.
-    xyz: Vec<[f64; 3]>,
-}
-
-impl Prefix {
-    fn new<S: Spectrum>(row: &Row<S>, xyz: Option<fn(S) -> [f64; 3]>) -> Prefix {
-        let mut prefix = Prefix {
-            cells: row.iter().map(|e| e.cell).collect(),
-            luminance: vec![0.0],
-            squares: vec![0.0],
-            xyz: Vec::new(),
-        };
-        let (mut t, mut q, mut color) = (0.0, 0.0, [0.0; 3]);
-        if xyz.is_some() {
-            prefix.xyz.push(color);
-        }
-        for exit in row {
-            t += exit.sum.luminance();
-            q += exit.squares;
-            prefix.luminance.push(t);
-            prefix.squares.push(q);
-            if let Some(xyz) = xyz {
-                let add = xyz(exit.sum);
-                color = [0, 1, 2].map(|k| color[k] + add[k]);
-                prefix.xyz.push(color);
-            }
-        }
-        prefix
-    }
-}
-
 /// The tree while it is decided.
 pub(crate) enum Kept {
-    Leaf { value: f64, xyz: [f64; 3] },
+    Leaf { value: f64, xyz: [f32; 3] },
     Node(Vec<Kept>),
+}
+
+impl Kept {
+    /// The trees of a component; with `color`, leaves hold X, Y, Z.
+    pub fn trees(&self, rank: Rank, color: bool) -> Result<Trees, TreeError> {
+        let tree = |f: &dyn Fn(&mut TreeBuilder) -> Result<Slot, TreeError>| {
+            let mut builder = TreeBuilder::new(rank);
+            let root = f(&mut builder)?;
+            Ok::<_, TreeError>(Tree::new(builder.finish(root)))
+        };
+        let luminance = tree(&|b| luminance_slot(self, rank, b))?;
+        let chroma = match color {
+            false => None,
+            true => {
+                let chroma = Chroma::of(self);
+                Some([tree(&|b| chroma.slot(0, rank, b))?, tree(&|b| chroma.slot(1, rank, b))?])
+            }
+        };
+        Ok(Trees { luminance, chroma })
+    }
 }
 
 struct Estimate {
@@ -125,23 +72,54 @@ pub(crate) struct Region {
     /// Incident cells; none in the half of rank 3 that no incident direction has.
     pub first_row: u32,
     pub n_rows: u32,
-    first_exit: u64,
+    pub first_exit: u64,
     pub n_exit: u64,
+}
+
+impl Region {
+    /// Pairs of finest cells.
+    pub fn size(&self) -> f64 {
+        f64::from(self.n_rows) * self.n_exit as f64
+    }
 }
 
 /// The part of a row that lies in a region: row, first and last+1 of its entries.
 pub(crate) type Member = [u32; 3];
 
-pub(crate) struct Reducer<'a> {
-    rank: Rank,
+/// Counted paths of one component, to be made a tree.
+pub(crate) struct Reducer<'a, S> {
+    pub rank: Rank,
     pub log2_res: u32,
-    rows: &'a [Prefix],
+    /// One row per incident cell.
+    pub rows: &'a [Row<S>],
+    /// Paths per incident cell.
     pub n: f64,
+    /// Projected solid angle of a finest exitant cell \[sr\].
     pub omega: f64,
-    pruned: bool,
+    /// Whether each pair of cells is the mean of itself and of the pair travelled the other way, in the same rows.
+    pub symmetric: bool,
+    /// Whether cells that differ by noise only become one.
+    pub pruned: bool,
+    /// From sums to CIE X, Y, Z, where colour is asked for.
+    pub xyz: Option<fn(S) -> [f64; 3]>,
 }
 
-impl Reducer<'_> {
+/// What is known of a region.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Moments {
+    /// Estimated BSDF \[1/sr\].
+    pub value: f64,
+    /// Its variance, few counts taken into account.
+    pub variance: f64,
+}
+
+impl<S: Spectrum> Reducer<'_, S> {
+    /// The cheapest tree.
+    pub fn cheapest(&self) -> Kept {
+        let (region, members) = self.root();
+        self.decide(region, &members, 0.0).kept
+    }
+
     /// The whole tree.
     pub fn root(&self) -> (Region, Vec<Member>) {
         let region = Region {
@@ -151,15 +129,27 @@ impl Reducer<'_> {
             first_exit: 0,
             n_exit: 1 << (2 * self.log2_res),
         };
-        let rows = self.rows.iter().enumerate().filter(|(_, r)| !r.cells.is_empty());
-        (region, rows.map(|(k, r)| [k as u32, 0, r.cells.len() as u32]).collect())
+        let rows = self.rows.iter().enumerate().filter(|(_, r)| !r.is_empty());
+        (region, rows.map(|(k, r)| [k as u32, 0, r.len() as u32]).collect())
+    }
+
+    /// What was counted in a member.
+    pub fn exits(&self, [row, from, to]: Member) -> &[Exit<S>] {
+        &self.rows[row as usize][from as usize..to as usize]
     }
 
     /// Sums of weights and of their squares per path over a member.
-    pub fn sums(&self, [row, from, to]: Member) -> (f64, f64) {
-        let prefix = &self.rows[row as usize];
-        let range = |sums: &[f64]| (sums[to as usize] - sums[from as usize]) / self.n;
-        (range(&prefix.luminance), range(&prefix.squares))
+    pub fn sums(&self, member: Member) -> (f64, f64) {
+        let exits = self.exits(member);
+        let (t, q) =
+            exits.iter().fold((0.0, 0.0), |(t, q), e| (t + e.sum.luminance(), q + f64::from(e.squares)));
+        (t / self.n, q / self.n)
+    }
+
+    /// Mean weight of the paths of members.
+    pub fn weight(&self, members: &[Member]) -> f64 {
+        let (t, q) = members.iter().map(|&m| self.sums(m)).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+        if t > 0.0 { q / t } else { 0.0 }
     }
 
     /// Variance of the mean weight of a member.
@@ -168,35 +158,64 @@ impl Reducer<'_> {
         (q - t * t).max(0.0) / self.n
     }
 
-    /// Decides a region: leaf or node. `weight` is the mean weight of the parent's paths.
-    fn decide(&self, region: Region, members: &[Member], weight: f64) -> Estimate {
-        let size = f64::from(region.n_rows) * region.n_exit as f64;
+    /// Estimate of a region and its variance; `weight` is the mean weight of the parent's paths.
+    pub fn moments(&self, region: &Region, members: &[Member], weight: f64) -> Moments {
+        let scale = 1.0 / (self.omega * region.size());
         if members.is_empty() {
-            let one_count = weight / (self.n * self.omega * size);
-            let cost = if size > 0.0 { LAMBDA * size * one_count * one_count } else { 0.0 };
-            return Estimate { kept: Kept::Leaf { value: 0.0, xyz: [0.0; 3] }, cost, squares: 0.0 };
+            return Moments { value: 0.0, variance: (weight * scale / self.n).powi(2) };
         }
-        let (mut t, mut v, mut xyz) = (0.0, 0.0, [0.0; 3]);
+        let (mut t, mut v) = (0.0, 0.0);
         for &member in members {
-            t += self.sums(member).0;
-            v += self.variance(member);
-            let [row, from, to] = member.map(|k| k as usize);
-            let sums = &self.rows[row].xyz;
-            if let (Some(b), Some(a)) = (sums.get(to), sums.get(from)) {
-                xyz = [0, 1, 2].map(|k| xyz[k] + b[k] - a[k]);
+            let (sum, squares) = self.sums(member);
+            t += sum;
+            v += (squares - sum * sum).max(0.0) / self.n;
+        }
+        if self.symmetric && self.is_reversed(region) {
+            // Every pair and its reverse are here, so they are no independent estimates.
+            v *= 2.0;
+        }
+        let (value, variance) = (t * scale, v * scale * scale);
+        Moments {
+            value,
+            variance: if value > 0.0 { variance + (variance / value).powi(2) } else { variance },
+        }
+    }
+
+    /// Whether the region travelled the other way is itself.
+    fn is_reversed(&self, region: &Region) -> bool {
+        let last_row = self.rows.len() as u64 - 1 - u64::from(region.first_row);
+        region.first_exit + region.n_exit - 1 == last_row
+    }
+
+    fn leaf(&self, value: f64, members: &[Member]) -> Kept {
+        let mut total = [0.0; 3];
+        if let Some(xyz) = self.xyz {
+            for exit in members.iter().flat_map(|&m| self.exits(m)) {
+                let add = xyz(exit.sum);
+                total = [0, 1, 2].map(|k| total[k] + add[k]);
             }
         }
-        let scale = 1.0 / (self.omega * size);
-        let (value, variance) = (t * scale, v * scale * scale);
-        let variance = if value > 0.0 { variance + (variance / value).powi(2) } else { variance };
-        let leaf = Kept::Leaf { value, xyz };
-        if region.level == self.log2_res {
-            return Estimate { kept: leaf, cost: LAMBDA * variance, squares: value * value };
+        Kept::Leaf { value, xyz: total.map(|c| c as f32) }
+    }
+
+    /// Decides a region: leaf or node.
+    fn decide(&self, region: Region, members: &[Member], weight: f64) -> Estimate {
+        let size = region.size();
+        if size == 0.0 {
+            return Estimate { kept: self.leaf(0.0, members), cost: 0.0, squares: 0.0 };
+        }
+        let Moments { value, variance } = self.moments(&region, members, weight);
+        if members.is_empty() || region.level == self.log2_res {
+            return Estimate {
+                kept: self.leaf(value, members),
+                cost: LAMBDA * size * variance,
+                squares: size * value * value,
+            };
         }
         let split = self.split(region, members);
         let merged = (split.squares - size * value * value).max(0.0) + LAMBDA * size * variance;
         if self.pruned && merged <= split.cost {
-            Estimate { kept: leaf, cost: merged, squares: split.squares }
+            Estimate { kept: self.leaf(value, members), cost: merged, squares: split.squares }
         } else {
             split
         }
@@ -204,8 +223,7 @@ impl Reducer<'_> {
 
     /// A region as a node, whose children are decided.
     fn split(&self, region: Region, members: &[Member]) -> Estimate {
-        let (t, q) = members.iter().map(|&m| self.sums(m)).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-        let weight = if t > 0.0 { q / t } else { 0.0 };
+        let weight = self.weight(members);
         let decide = |(region, members): &(Region, Vec<Member>)| self.decide(*region, members, weight);
         let parts = self.parts(region, members);
         let children: Vec<_> = match region.level < 2 {
@@ -248,16 +266,20 @@ impl Reducer<'_> {
                 (part, Vec::new())
             })
             .collect();
-        for &[row, from, to] in members {
+        for &member in members {
+            let [row, from, _] = member;
             let incident = (row - region.first_row) / n_rows;
-            let cells = &self.rows[row as usize].cells;
-            let mut begin = from;
+            let exits = self.exits(member);
+            let mut begin = 0;
             for exit in 0..4 {
                 let border = region.first_exit + u64::from(exit + 1) * quarter;
-                let range = &cells[begin as usize..to as usize];
-                let end = begin + range.partition_point(|&c| u64::from(c) < border) as u32;
+                let end = begin + exits[begin..].partition_point(|e| u64::from(e.cell) < border);
                 if end > begin {
-                    parts[(incident | exit << bits) as usize].1.push([row, begin, end]);
+                    parts[(incident | exit << bits) as usize].1.push([
+                        row,
+                        from + begin as u32,
+                        from + end as u32,
+                    ]);
                 }
                 begin = end;
             }
@@ -288,7 +310,10 @@ enum Chroma {
 impl Chroma {
     fn of(kept: &Kept) -> Chroma {
         match kept {
-            Kept::Leaf { xyz, .. } => Chroma::Leaf { uv: uv_from_xyz(*xyz), xyz: *xyz },
+            Kept::Leaf { xyz, .. } => {
+                let xyz = xyz.map(f64::from);
+                Chroma::Leaf { uv: uv_from_xyz(xyz), xyz }
+            }
             Kept::Node(children) => {
                 let children: Vec<_> = children.iter().map(Chroma::of).collect();
                 Chroma::merged(&children).unwrap_or(Chroma::Node(children))

@@ -1,5 +1,6 @@
 //! Counting paths: for one incident cell, the weight that leaves through each exitant cell.
 
+use crate::random::N_REPLICATES;
 use crate::scatter::Spectrum;
 
 /// What left through one exitant cell.
@@ -7,55 +8,113 @@ use crate::scatter::Spectrum;
 pub struct Exit<S> {
     /// Exitant cell.
     pub cell: u32,
+    /// Sum of squared luminous weights.
+    pub squares: f32,
     /// Sum of weights.
     pub sum: S,
-    /// Sum of squared luminous weights.
-    pub squares: f64,
+    /// Sum of luminous weights of each replicate.
+    pub replicates: [f32; N_REPLICATES],
 }
 
 /// Exits of one incident cell, in the order of their cells; cells that nothing left through are absent.
 pub type Row<S> = Vec<Exit<S>>;
 
+impl<S: Spectrum> Exit<S> {
+    /// Nothing.
+    pub const fn none(cell: u32) -> Exit<S> {
+        Exit { cell, squares: 0.0, sum: S::BLACK, replicates: [0.0; N_REPLICATES] }
+    }
+
+    /// As many times as much in another cell.
+    pub(crate) fn scaled(&self, factor: f64, cell: u32) -> Exit<S> {
+        Exit {
+            cell,
+            squares: self.squares * (factor * factor) as f32,
+            sum: self.sum * factor,
+            replicates: self.replicates.map(|sum| sum * factor as f32),
+        }
+    }
+
+    fn add(&mut self, other: &Exit<S>) {
+        self.squares += other.squares;
+        self.sum = self.sum + other.sum;
+        for (a, b) in self.replicates.iter_mut().zip(other.replicates) {
+            *a += b;
+        }
+    }
+}
+
+/// Two rows as one: where both have a cell, the pair makes one exit of it.
+pub(crate) fn united<S: Spectrum>(
+    a: &[Exit<S>],
+    b: &[Exit<S>],
+    pair: impl Fn(Option<&Exit<S>>, Option<&Exit<S>>) -> Exit<S>,
+) -> Row<S> {
+    let mut row = Row::with_capacity(a.len().max(b.len()));
+    let (mut a, mut b) = (a.iter().peekable(), b.iter().peekable());
+    loop {
+        let cell = match (a.peek(), b.peek()) {
+            (None, None) => return row,
+            (Some(x), None) => x.cell,
+            (None, Some(y)) => y.cell,
+            (Some(x), Some(y)) => x.cell.min(y.cell),
+        };
+        row.push(pair(a.next_if(|e| e.cell == cell), b.next_if(|e| e.cell == cell)));
+    }
+}
+
+/// The counts of both rows.
+pub(crate) fn added<S: Spectrum>(a: Row<S>, b: Row<S>) -> Row<S> {
+    if a.is_empty() {
+        return b;
+    }
+    if b.is_empty() {
+        return a;
+    }
+    united(&a, &b, |x, y| match (x, y) {
+        (Some(x), Some(y)) => {
+            let mut sum = *x;
+            sum.add(y);
+            sum
+        }
+        (x, y) => *x.or(y).expect("one of them has the cell"),
+    })
+}
+
 /// A dense histogram that is emptied into a [`Row`] and used again.
 pub struct Tally<S> {
-    sums: Vec<S>,
-    squares: Vec<f64>,
+    exits: Vec<Exit<S>>,
     touched: Vec<u32>,
 }
 
 impl<S: Spectrum> Tally<S> {
     /// An empty histogram.
     pub fn new(n_exitant: usize) -> Tally<S> {
-        Tally { sums: vec![S::BLACK; n_exitant], squares: vec![0.0; n_exitant], touched: Vec::new() }
+        Tally { exits: (0..n_exitant as u32).map(Exit::none).collect(), touched: Vec::new() }
     }
 
-    /// Adds one path.
+    /// Adds one path of a replicate.
     #[inline]
-    pub fn add(&mut self, cell: u32, weight: S) {
-        let luminance = weight.luminance();
-        let k = cell as usize;
-        if self.squares[k] == 0.0 {
+    pub fn add(&mut self, cell: u32, weight: S, replicate: usize) {
+        let luminance = weight.luminance() as f32;
+        let exit = &mut self.exits[cell as usize];
+        if exit.squares == 0.0 {
             self.touched.push(cell);
         }
-        self.sums[k] = self.sums[k] + weight;
+        exit.sum = exit.sum + weight;
+        exit.replicates[replicate] += luminance;
         // A weight so small that its square vanishes would be counted as touched twice.
-        self.squares[k] += (luminance * luminance).max(f64::MIN_POSITIVE);
+        exit.squares += (luminance * luminance).max(f32::MIN_POSITIVE);
     }
 
     /// What was added since the last call.
     pub fn drain(&mut self) -> Row<S> {
         self.touched.sort_unstable();
-        let row = self
-            .touched
-            .iter()
-            .map(|&cell| {
-                let k = cell as usize;
-                let sum = std::mem::replace(&mut self.sums[k], S::BLACK);
-                Exit { cell, sum, squares: std::mem::take(&mut self.squares[k]) }
-            })
-            .collect();
-        self.touched.clear();
-        row
+        let exits = &mut self.exits;
+        self.touched
+            .drain(..)
+            .map(|cell| std::mem::replace(&mut exits[cell as usize], Exit::none(cell)))
+            .collect()
     }
 }
 
@@ -63,14 +122,30 @@ impl<S: Spectrum> Tally<S> {
 mod tests {
     use super::*;
 
+    fn exit(cell: u32, replicate: usize, sum: f32, squares: f32) -> Exit<f64> {
+        let mut exit = Exit { sum: f64::from(sum), squares, ..Exit::none(cell) };
+        exit.replicates[replicate] = sum;
+        exit
+    }
+
     #[test]
     fn rows_are_sorted_sums_and_the_tally_is_empty_afterwards() {
         let mut tally = Tally::<f64>::new(10);
         for (cell, weight) in [(7, 0.5), (2, 1.0), (7, 0.25)] {
-            tally.add(cell, weight);
+            tally.add(cell, weight, 3);
         }
-        let exit = |cell, sum, squares| Exit { cell, sum, squares };
-        assert_eq!(tally.drain(), [exit(2, 1.0, 1.0), exit(7, 0.75, 0.3125)]);
+        assert_eq!(tally.drain(), [exit(2, 3, 1.0, 1.0), exit(7, 3, 0.75, 0.3125)]);
         assert_eq!(tally.drain(), []);
+    }
+
+    #[test]
+    fn added_rows_have_the_counts_of_both() {
+        let (a, b) = (vec![exit(2, 0, 1.0, 1.0), exit(7, 1, 0.5, 0.25)], vec![exit(7, 2, 0.25, 0.0625)]);
+        let sum = added(a.clone(), b.clone());
+        assert_eq!(sum[0], a[0]);
+        let mut both = exit(7, 1, 0.5, 0.3125);
+        (both.sum, both.replicates[2]) = (0.75, 0.25);
+        assert_eq!(sum[1..], [both]);
+        assert_eq!(added(b.clone(), Row::new()), b);
     }
 }

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use bsdftree::square::disk_from_square;
 use bsdftree::{Band, Basis, Bsdf, Lobes, Rank, Side};
 use bsdftree_device::Device;
-use bsdftree_generate::{Aperture, Layout, Options, Progress, generate};
+use bsdftree_generate::{Aperture, Generated, Layout, Options, Progress, generate};
 
 const SAMPLES: u64 = 4000;
 
 fn run(spec: &str, options: &Options) -> Bsdf {
-    let (bsdf, report) = generate(&Device::from_spec(spec).unwrap(), options, &Progress::default()).unwrap();
+    let Generated { bsdf, report, .. } =
+        generate(&Device::from_spec(spec).unwrap(), options, &Progress::default()).unwrap();
     assert_eq!(report.lost, 0);
     bsdf
 }

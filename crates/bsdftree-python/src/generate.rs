@@ -10,7 +10,7 @@ use bsdftree::Basis;
 use bsdftree::bsdf::LengthUnit;
 use bsdftree::klems::Ring;
 use bsdftree_device::{Unit, Up, parametric};
-use bsdftree_generate::{Aperture, GenerateError, Layout, Options, Progress, Report, Sides};
+use bsdftree_generate::{Aperture, GenerateError, Generated, Layout, Options, Progress, Sides, Stop};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -131,7 +131,7 @@ fn klems_basis(klems: Klems, subdivide: u32) -> PyResult<Basis> {
     if subdivide == 1 { Ok(basis) } else { basis.subdivided(subdivide).map_err(value_error) }
 }
 
-type Outcome = Result<(bsdftree::Bsdf, Report), GenerateError>;
+type Outcome = Result<Generated, GenerateError>;
 
 /// A generation that runs.
 #[pyclass(frozen, module = "bsdftree._core")]
@@ -142,7 +142,7 @@ pub struct Generation {
 
 /// Starts a generation; `aperture` is in `unit`. Of `klems` and (`rank`, `log2_res`) exactly one is given.
 #[pyfunction]
-#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads))]
+#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, time_budget, stratified, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads))]
 #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
 pub fn generate(
     device: &Device,
@@ -151,9 +151,13 @@ pub fn generate(
     klems: Option<Klems>,
     subdivide: u32,
     samples: u64,
+    tolerance: Option<f64>,
+    direction_tolerance: f64,
+    time_budget: Option<f64>,
+    stratified: bool,
     sides: &str,
     color: bool,
-    reciprocity: bool,
+    reciprocity: Option<bool>,
     pruned: bool,
     aperture: Option<[[f64; 3]; 2]>,
     tile: bool,
@@ -178,8 +182,24 @@ pub fn generate(
         let [min, max] = corners.map(|corner| corner.map(|length| length * unit.meters()));
         Aperture { min, max }
     });
-    let options =
-        Options { layout, samples, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads };
+    let time_budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(value_error)?;
+    let options = Options {
+        layout,
+        samples,
+        tolerance,
+        direction_tolerance,
+        time_budget,
+        stratified,
+        sides,
+        color,
+        reciprocity,
+        pruned,
+        aperture,
+        tile,
+        unit,
+        seed,
+        threads,
+    };
     let progress = Arc::new(Progress::default());
     let (device, shared) = (Arc::clone(&device.0), Arc::clone(&progress));
     let thread = std::thread::spawn(move || bsdftree_generate::generate(&device, &options, &shared));
@@ -216,22 +236,33 @@ impl Generation {
         })
     }
 
-    /// The BSDF and what was done; once.
-    fn result<'py>(&self, py: Python<'py>) -> PyResult<(Bsdf, Bound<'py, PyDict>)> {
+    /// The BSDF, its standard errors and what was done; once.
+    fn result<'py>(&self, py: Python<'py>) -> PyResult<(Bsdf, Bsdf, Bound<'py, PyDict>)> {
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
         let thread = thread.ok_or_else(|| PyRuntimeError::new_err("the result was taken already"))?;
         let outcome = py
             .detach(|| thread.join())
             .map_err(|_| PyRuntimeError::new_err("generation failed on its thread"))?;
-        let (bsdf, report) = outcome.map_err(value_error)?;
+        let Generated { bsdf, errors, report } = outcome.map_err(value_error)?;
         let dict = PyDict::new(py);
         dict.set_item("paths", report.paths)?;
+        dict.set_item("samples", report.samples)?;
+        let stop = match report.stop {
+            Stop::Samples => "samples",
+            Stop::Tolerance => "tolerance",
+            Stop::Time => "time",
+            Stop::Memory => "memory",
+        };
+        dict.set_item("stop", stop)?;
+        dict.set_item("error", report.error)?;
+        dict.set_item("direction_error", report.direction_error)?;
         dict.set_item("lost", report.lost)?;
         dict.set_item("tracing_seconds", report.tracing.as_secs_f64())?;
         dict.set_item("reducing_seconds", report.reducing.as_secs_f64())?;
         let [min, max] = [report.aperture.min, report.aperture.max].map(|[x, y, z]| (x, y, z));
         dict.set_item("aperture", (min, max))?;
         dict.set_item("warnings", report.warnings)?;
-        Ok((Bsdf { bsdf, repairs: Vec::new() }, dict))
+        let [bsdf, errors] = [bsdf, errors].map(|bsdf| Bsdf { bsdf, repairs: Vec::new() });
+        Ok((bsdf, errors, dict))
     }
 }

@@ -63,7 +63,34 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     show_default=True,
     help="Split each Klems patch N × N.",
 )
-@click.option("--samples", type=int, default=2000, show_default=True, help="Paths per incident cell and side.")
+@click.option(
+    "--samples",
+    type=int,
+    metavar="N",
+    help="Paths per incident cell and side, at most. [default: 2000; no limit with --tolerance or --time-budget]",
+)
+@click.option(
+    "--tolerance",
+    type=float,
+    metavar="E",
+    help="Stop when the estimated relative error of the whole is this small, e.g. 0.05.",
+)
+@click.option(
+    "--direction-tolerance",
+    type=float,
+    default=0.05,
+    show_default=True,
+    metavar="E",
+    help="Tolerated error of the hemispherical total of any one incident direction, relative to it or to 0.1.",
+)
+@click.option("--time-budget", type=float, metavar="SECONDS", help="Stop when this time is over.")
+@click.option(
+    "--sampling",
+    type=click.Choice(["sobol", "random"]),
+    default="sobol",
+    show_default=True,
+    help="Whether paths start from evenly spread or from independent points.",
+)
 @click.option(
     "--sides",
     type=click.Choice(["front", "back", "both"]),
@@ -73,7 +100,9 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 )
 @click.option("--color", is_flag=True, help="Keep colour: Y, u′, v′ trees or X, Y, Z matrices.")
 @click.option(
-    "--reciprocity", is_flag=True, help="Average pairs of directions with the same pairs swapped (not rank 3)."
+    "--reciprocity/--no-reciprocity",
+    default=None,
+    help="Average pairs of directions with the same pairs swapped. [default: where all materials are reciprocal; not rank 3]",
 )
 @click.option("--no-prune", is_flag=True, help="Keep cells of a tree that differ only by noise.")
 @click.option(
@@ -114,10 +143,14 @@ def generate(
     log2_res: int,
     klems: str | None,
     subdivide: str,
-    samples: int,
+    samples: int | None,
+    tolerance: float | None,
+    direction_tolerance: float,
+    time_budget: float | None,
+    sampling: str,
     sides: str,
     color: bool,
-    reciprocity: bool,
+    reciprocity: bool | None,
     no_prune: bool,
     dim: tuple[float, ...] | None,
     tile: bool,
@@ -158,6 +191,10 @@ def generate(
             klems=klems,  # type: ignore[arg-type]
             subdivide=int(subdivide),
             samples=samples,
+            tolerance=tolerance,
+            direction_tolerance=direction_tolerance,
+            time_budget=time_budget,
+            sampling=sampling,  # type: ignore[arg-type]
             sides=sides,  # type: ignore[arg-type]
             color=color,
             reciprocity=reciprocity,
@@ -194,6 +231,10 @@ def generate(
 def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> dict[str, Any]:
     return summarize(bsdf, output) | {
         "paths": report.paths,
+        "samples": report.samples,
+        "stop": report.stop,
+        "error": report.error,
+        "direction_error": report.direction_error,
         "lost": report.lost,
         "tracing_seconds": report.tracing_seconds,
         "reducing_seconds": report.reducing_seconds,
@@ -208,5 +249,11 @@ def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: f
     stderr.print(
         f"{output}: {os.path.getsize(output):,} bytes, {values:,} values, {report.paths:,} paths "
         f"at {rate / 1e6:.2f} M/s, {seconds:.2f} s",
+        highlight=False,
+    )
+    reached = {"tolerance": "tolerance reached: ", "time": "time is over: ", "memory": "memory is used up: "}
+    stderr.print(
+        f"{reached.get(report.stop, '')}{report.samples:,} samples per incident cell; estimated error "
+        f"{report.error:.1%} of the whole, {report.direction_error:.1%} of the worst direction's total",
         highlight=False,
     )

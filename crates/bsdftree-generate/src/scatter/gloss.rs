@@ -87,6 +87,13 @@ impl<S: Spectrum> PreparedGloss<S> {
         }
     }
 
+    /// See [`super::is_reciprocal`].
+    pub fn is_reciprocal(&self) -> bool {
+        let diffuse = self.lobes[DIFFUSE_REFLECTION].luminance + self.lobes[DIFFUSE_TRANSMISSION].luminance;
+        !(self.fresnel && diffuse > 0.0)
+            && (self.smooth || self.lobes[SPECULAR_TRANSMISSION].luminance == 0.0)
+    }
+
     /// One lobe, taken with a probability proportional to its luminance, so that all weights have the same one.
     #[inline]
     pub fn scatter(&self, normal: DVec3, incoming: DVec3, random: &mut Random) -> Option<Scatter<S>> {

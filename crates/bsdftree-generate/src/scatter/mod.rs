@@ -145,6 +145,17 @@ pub fn is_neutral(material: &Material) -> bool {
     }
 }
 
+/// Whether light travels through `material` the other way with the same strength.
+///
+/// Not so: smooth surfaces whose diffuse part loses what Fresnel's law mirrors, which depends on the incident angle alone, and
+/// rough transmission.
+pub fn is_reciprocal(material: &Material) -> bool {
+    match material {
+        Material::Gloss(gloss) => gloss::PreparedGloss::<f64>::new(gloss).is_reciprocal(),
+        _ => true,
+    }
+}
+
 /// Whether the ray comes from the side the normal points to.
 #[inline]
 fn is_front(normal: DVec3, incoming: DVec3) -> bool {
