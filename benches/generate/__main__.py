@@ -16,7 +16,7 @@ from pathlib import Path
 
 import bsdftree
 
-from . import equal_error, resolution, talk
+from . import comparisons, equal_error, resolution, talk
 
 SECTIONS = ("talk", "equal-error", "resolution")
 PICTURE = Path("docs/img/resolution.png")
@@ -36,7 +36,9 @@ def main() -> None:
         if "talk" in arguments.only:
             talk.run(arguments.quick, work)
         if "equal-error" in arguments.only:
-            equal_error.run(arguments.quick, cache, work)
+            measured = equal_error.measurements(arguments.quick, cache, work)
+            print("\n## Equal error")
+            comparisons.print_tables(measured)
         if "resolution" in arguments.only:
             picture = work / "resolution.png" if arguments.quick and not arguments.picture else arguments.picture
             resolution.run(arguments.quick, work, picture or PICTURE)

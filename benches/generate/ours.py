@@ -19,12 +19,15 @@ from bsdftree import Bsdf
 ALWAYS: dict[str, Any] = {"sampling": "sobol", "reuse": False}
 """What `generate()` does where it has no such option."""
 
-RANDOM = {"sampling": "random", "reciprocity": False, "reuse": False}
 SOBOL = {"sampling": "sobol", "reciprocity": False, "reuse": False}
+RANDOM = SOBOL | {"sampling": "random"}
+NO_GUARD = {"direction_tolerance": 1e6}
+"""Hemispherical totals of single directions may be wrong by any amount."""
 VARIANTS: dict[str, dict[str, Any]] = {
     "random numbers": RANDOM,
     "Sobol": SOBOL,
     "Sobol, reciprocity": SOBOL | {"reciprocity": True},
+    "Sobol, reciprocity, no guard": SOBOL | {"reciprocity": True} | NO_GUARD,
     "Sobol, reuse": SOBOL | {"reuse": True},
     "Sobol, reciprocity, reuse": SOBOL | {"reciprocity": True, "reuse": True},
 }
@@ -59,14 +62,23 @@ def available() -> dict[str, dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Made:
+    """A BSDF, its CPU time [s], the size of its file, and what was reported: error of the whole and of a direction."""
+
     bsdf: Bsdf
     cpu: float
     bytes: int
+    samples: int
+    estimated: float | None
+    estimated_direction: float | None
 
 
 def make(device: Path, into: Path, **options: Any) -> Made:
     """Generate and write; light comes from the front, as in genBSDF unless told otherwise."""
+    reports: list[bsdftree.GenerationReport] = []
     start = time.process_time()
-    bsdf = bsdftree.generate(device, rank=4, sides="front", **options)
+    bsdf = bsdftree.generate(device, rank=4, sides="front", report=reports.append, **options)
     bsdf.save(into)
-    return Made(bsdf, time.process_time() - start, into.stat().st_size)
+    cpu = time.process_time() - start
+    (said,) = (vars(report) for report in reports)
+    samples = int(said.get("samples") or options["samples"])
+    return Made(bsdf, cpu, into.stat().st_size, samples, said.get("error"), said.get("direction_error"))

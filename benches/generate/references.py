@@ -45,12 +45,11 @@ def mean(a: Grids, b: Grids) -> Grids:
 
 def reference(scene: Scene, log2_res: int, samples: int, folder: Path, **options: Any) -> Reference:
     """Reference of a device; from the folder, if it has been made before."""
-    options = known(SOBOL | options)
     # What `generate()` is asked, not how it does it: the truth does not change with versions.
     name = hashlib.sha256(repr((scene.text, log2_res, samples, sorted(options.items()))).encode()).hexdigest()[:16]
     path = folder / f"{scene.name.replace(' ', '-')}-{log2_res}-{name}.npz"
     if not path.exists():
-        _make(scene, log2_res, samples, path, options)
+        _make(scene, log2_res, samples, path, known(SOBOL | options))
     with np.load(path) as stored:
         floor = Errors(*map(float, stored["floor"]))
         values = {key: stored[key] for key in stored.files if key != "floor"}
