@@ -4,13 +4,17 @@
 //! are ended at random and the survivors carry their share (Russian roulette, J. Arvo and D. Kirk, SIGGRAPH 1990).
 //! A path that meets nothing more has left, whichever way it goes: receivers are at infinity, as in Radiance's genBSDF.
 
+mod wave;
+
 use bsdftree_device::Device;
 use glam::DVec3;
 
-use crate::bvh::{Bvh, BvhError, Ray};
+use crate::bvh::{Bvh, BvhError, Hit, Ray};
 use crate::random::Random;
 use crate::scatter::{PreparedMaterial, Spectrum, attenuation};
 use crate::tile::Tile;
+
+pub use wave::Departure;
 
 /// Luminous weight under which a path has to survive the roulette.
 const FAINT: f64 = 0.05;
@@ -48,8 +52,12 @@ impl<S: Spectrum> Scene<S> {
         (&self.bvh, &self.materials)
     }
 
+    /// What finds the first surface on each ray.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
     /// Follows a path from a point along a unit direction, through a device that is alone or repeats by a tile.
-    #[inline]
     pub fn follow(
         &self,
         origin: DVec3,
@@ -57,42 +65,92 @@ impl<S: Spectrum> Scene<S> {
         tile: Option<&Tile>,
         random: &mut Random,
     ) -> Outcome<S> {
-        let mut ray = Ray { origin, direction, from: None };
-        let mut weight = S::WHITE;
-        let mut medium: Option<DVec3> = None;
-        for _ in 0..MAX_BOUNCES {
-            let hit = self.bvh.closest(&ray);
-            if let Some((again, t)) =
-                tile.and_then(|tile| tile.wrapped(&ray, hit.map_or(f64::INFINITY, |h| h.t)))
-            {
-                if let Some(transmittance) = medium {
-                    weight = weight * attenuation::<S>(transmittance, t);
-                }
-                ray = again;
-                continue;
+        self.follow_seen(origin, direction, tile, random, |_| ())
+    }
+
+    /// [`Scene::follow`], showing each ray before its first surface is sought.
+    #[inline]
+    pub fn follow_seen(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        tile: Option<&Tile>,
+        random: &mut Random,
+        mut seen: impl FnMut(&Ray),
+    ) -> Outcome<S> {
+        let mut path = Path::new(origin, direction);
+        loop {
+            seen(&path.ray);
+            let hit = self.bvh.closest(&path.ray);
+            if let Some(outcome) = self.advance(&mut path, hit, tile, random) {
+                return outcome;
             }
-            let Some(hit) = hit else { return Outcome::Left(ray.direction, weight) };
-            let material = &self.materials[hit.material as usize];
-            if let Some(transmittance) = material.medium(hit.front).or(medium) {
-                weight = weight * attenuation::<S>(transmittance, hit.t);
-            }
-            let Some(scatter) = material.scatter(hit.normal, ray.direction, random) else {
-                return Outcome::Absorbed;
-            };
-            weight = weight * scatter.weight;
-            let luminance = weight.luminance();
-            if luminance < FAINT {
-                let survival = luminance / FAINT;
-                if random.next_f64() >= survival {
-                    return Outcome::Absorbed;
-                }
-                weight = weight / survival;
-            }
-            if let Some(entered) = material.medium(hit.front != scatter.transmitted) {
-                medium = (entered != DVec3::ONE).then_some(entered);
-            }
-            ray = Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.surface) };
         }
-        Outcome::Lost
+    }
+
+    /// Takes a path from where its ray ends to its next ray; or how it ended.
+    #[inline(always)]
+    fn advance(
+        &self,
+        path: &mut Path<S>,
+        hit: Option<Hit>,
+        tile: Option<&Tile>,
+        random: &mut Random,
+    ) -> Option<Outcome<S>> {
+        let ray = path.ray;
+        if let Some((again, t)) = tile.and_then(|tile| tile.wrapped(&ray, hit.map_or(f64::INFINITY, |h| h.t)))
+        {
+            if let Some(transmittance) = path.medium {
+                path.weight = path.weight * attenuation::<S>(transmittance, t);
+            }
+            return path.go_on(again);
+        }
+        let Some(hit) = hit else { return Some(Outcome::Left(ray.direction, path.weight)) };
+        let material = &self.materials[hit.material as usize];
+        let mut weight = path.weight;
+        if let Some(transmittance) = material.medium(hit.front).or(path.medium) {
+            weight = weight * attenuation::<S>(transmittance, hit.t);
+        }
+        let Some(scatter) = material.scatter(hit.normal, ray.direction, random) else {
+            return Some(Outcome::Absorbed);
+        };
+        weight = weight * scatter.weight;
+        let luminance = weight.luminance();
+        if luminance < FAINT {
+            let survival = luminance / FAINT;
+            if random.next_f64() >= survival {
+                return Some(Outcome::Absorbed);
+            }
+            weight = weight / survival;
+        }
+        path.weight = weight;
+        if let Some(entered) = material.medium(hit.front != scatter.transmitted) {
+            path.medium = (entered != DVec3::ONE).then_some(entered);
+        }
+        path.go_on(Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.surface) })
+    }
+}
+
+/// A path under way.
+struct Path<S> {
+    ray: Ray,
+    weight: S,
+    /// Transmittance \[1/m\] of what it is in, if not air.
+    medium: Option<DVec3>,
+    bounces: u32,
+}
+
+impl<S: Spectrum> Path<S> {
+    #[inline(always)]
+    fn new(origin: DVec3, direction: DVec3) -> Path<S> {
+        Path { ray: Ray { origin, direction, from: None }, weight: S::WHITE, medium: None, bounces: 0 }
+    }
+
+    /// `None`, unless this was the last bounce allowed.
+    #[inline(always)]
+    fn go_on(&mut self, ray: Ray) -> Option<Outcome<S>> {
+        self.ray = ray;
+        self.bounces += 1;
+        (self.bounces == MAX_BOUNCES).then_some(Outcome::Lost)
     }
 }

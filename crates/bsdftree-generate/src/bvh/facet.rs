@@ -8,16 +8,16 @@
 use glam::DVec3;
 
 /// Widest slack of an edge, local units: it must stay well inside the padding of boxes and the slack of the filter.
-const WIDEST_SLACK: f64 = 1.0 / (1 << 24) as f64;
+pub(super) const WIDEST_SLACK: f64 = 1.0 / (1 << 24) as f64;
 
 /// Rows: triangle plane, three edge planes; one array per coordinate so that a test is six 4-wide operations.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Facet {
-    x: [f64; 4],
-    y: [f64; 4],
-    z: [f64; 4],
-    w: [f64; 4],
+pub(crate) struct Facet {
+    pub x: [f64; 4],
+    pub y: [f64; 4],
+    pub z: [f64; 4],
+    pub w: [f64; 4],
 }
 
 impl Facet {

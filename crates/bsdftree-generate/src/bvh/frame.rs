@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::ray::Ray;
 
-/// How far from the device's box a ray from outside is taken up, local units.
+/// How far from the device's box a ray from outside is taken up, local units: errors of the filters allow for twice that.
 const APPROACH: f64 = 1.0 / 64.0;
 
 /// `local = (device − center) · inv_scale`.
@@ -21,6 +21,8 @@ pub(super) struct Frame {
     pub grain: f64,
     /// Corners of the device in local units.
     pub bounds: [DVec3; 2],
+    /// The larger box that rays from afar are taken up to.
+    near: [DVec3; 2],
 }
 
 impl Frame {
@@ -35,12 +37,19 @@ impl Frame {
         let inv_scale = 1.0 / scale;
         let grain = f64::EPSILON * (2.0 + center.abs().max_element() * inv_scale);
         let bounds = corners.map(|c| (c - center) * inv_scale);
-        Frame { center, scale, inv_scale, grain, bounds }
+        let near = [bounds[0] - APPROACH, bounds[1] + APPROACH];
+        Frame { center, scale, inv_scale, grain, bounds, near }
     }
 
     #[inline(always)]
     pub fn local_from_device(&self, p: DVec3) -> DVec3 {
         (p - self.center) * self.inv_scale
+    }
+
+    /// Whether a ray can be followed from this local position on: it is as near as any that the filters are proven for.
+    #[inline(always)]
+    pub fn is_near(p: DVec3) -> bool {
+        p.abs().cmple(DVec3::splat(1.0 + APPROACH)).all()
     }
 
     /// Where a ray from outside comes near the device's box, local, and how far that is \[m\]. `None` if it misses the
@@ -52,7 +61,7 @@ impl Frame {
         // No infinity, which would make NaN of a ray in the plane of a face.
         let inv = ray.direction.map(|d| 1.0 / d.abs().max(1e-30).copysign(d));
         // Up to a larger box, so that what lies in the faces of the device's own is still ahead.
-        let (a, b) = ((low - APPROACH - origin) * inv, (high + APPROACH - origin) * inv);
+        let (a, b) = ((self.near[0] - origin) * inv, (self.near[1] - origin) * inv);
         let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
         let skipped = enter * self.scale;
         let origin = self.local_from_device(ray.origin + ray.direction * skipped);

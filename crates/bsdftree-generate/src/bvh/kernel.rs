@@ -6,8 +6,9 @@
 //! Sources: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, for the shear that makes an
 //! edge the same for both its triangles. Deviation: a slack instead of a second evaluation, as f64 decides afterwards.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
+use super::facet::Facet;
 use super::node::{Leaf, Node, U, WIDTH};
 
 /// Relative slack of t: rounding of shear, products and the bound itself is below 48 u.
@@ -16,58 +17,40 @@ pub(super) const T_SLACK: f32 = 64.0 * U;
 /// of at most 2, times √3 for the shear's unit; rounded up.
 pub(super) const DEPTH_SLACK: f32 = 32.0;
 
-/// A ray in the local frame, f32, with what both filters need.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FilterRay {
-    pub origin: [f32; 3],
-    pub inv_direction: [f32; 3],
-    /// `origin · inv_direction`.
-    pub scaled_origin: [f32; 3],
-    /// Index into `Node::planes` of the planes met first and last.
-    pub near: [usize; 3],
-    pub far: [usize; 3],
-    /// Axes with the main direction last.
-    pub axes: [usize; 3],
-    /// x and y per unit z, and ray length per unit z.
-    pub shear: [f32; 3],
-}
+/// Smallest component of a direction: 0 would give 0 · ∞. At 2⁻⁶⁰ the ray is shifted by less than any rounding.
+pub(super) const SMALLEST: f32 = 1.0 / (1u64 << 60) as f32;
 
-impl FilterRay {
-    #[inline(always)]
-    pub fn new(origin: DVec3, direction: DVec3) -> FilterRay {
-        let origin: Vec3 = origin.as_vec3();
-        let d = direction.as_vec3().to_array();
-        let size = d.map(f32::abs);
-        let main = if size[0] > size[1] {
-            if size[0] > size[2] { 0 } else { 2 }
-        } else if size[1] > size[2] {
-            1
-        } else {
-            2
-        };
-        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][main];
-        // A component of 0 would give 0 · ∞: at 2⁻⁶⁰ the ray is shifted by less than any rounding.
-        let inv_direction = d.map(|c| 1.0 / c.abs().max(2f32.powi(-60)).copysign(c));
-        let per_z = inv_direction[axes[2]];
-        let origin = origin.to_array();
-        let near: [usize; 3] = std::array::from_fn(|i| 2 * i + d[i].is_sign_negative() as usize);
-        FilterRay {
-            origin,
-            inv_direction,
-            scaled_origin: std::array::from_fn(|i| origin[i] * inv_direction[i]),
-            near,
-            far: near.map(|plane| plane ^ 1),
-            axes,
-            shear: [d[axes[0]] * per_z, d[axes[1]] * per_z, per_z],
+/// By the signs of a direction, x in the low bit: indices into `Node::planes` of the planes met first, then of those met last.
+pub(super) static PLANES: [[usize; 6]; 8] = {
+    let mut table = [[0, 2, 4, 1, 3, 5]; 8];
+    let mut signs = 0;
+    while signs < 8 {
+        let mut axis = 0;
+        while axis < 3 {
+            let negative = signs >> axis & 1;
+            table[signs][axis] = 2 * axis + negative;
+            table[signs][axis + 3] = 2 * axis + 1 - negative;
+            axis += 1;
         }
+        signs += 1;
     }
-}
+    table
+};
+
+/// By which components of a direction are largest, x in the low bit: the axes in cyclic order with one of those last, and
+/// that one once more.
+pub(super) static AXES: [[u32; 4]; 8] = {
+    const X: [u32; 4] = [1, 2, 0, 0];
+    const Y: [u32; 4] = [2, 0, 1, 1];
+    const Z: [u32; 4] = [0, 1, 2, 2];
+    [Z, X, Y, X, Z, X, Y, X]
+};
 
 /// One implementation of the filters.
-pub(super) trait Kernel {
+pub(crate) trait Kernel {
     /// # Safety
     /// The processor must have the features the implementation names.
-    unsafe fn new(ray: &FilterRay) -> Self;
+    unsafe fn new(origin: DVec3, direction: DVec3) -> Self;
 
     /// Children whose box the ray meets at `0 ≤ t ≤ t_max`, and lower bounds of t there.
     ///
@@ -80,10 +63,45 @@ pub(super) trait Kernel {
     /// # Safety
     /// As [`Kernel::new`].
     unsafe fn triangles(&self, leaf: &Leaf, t_max: f32, from: u32) -> u32;
+
+    /// [`Facet::hit`], to the bit.
+    ///
+    /// # Safety
+    /// As [`Kernel::new`].
+    #[inline(always)]
+    unsafe fn facet(
+        &self,
+        facet: &Facet,
+        origin: DVec3,
+        direction: DVec3,
+        t_max: f64,
+        on_plane: f64,
+        slack: f64,
+    ) -> Option<f64> {
+        facet.hit(origin, direction, t_max, on_plane, slack)
+    }
+
+    /// [`Facet::is_inside`], to the bit.
+    ///
+    /// # Safety
+    /// As [`Kernel::new`].
+    #[inline(always)]
+    unsafe fn is_inside(&self, facet: &Facet, p: DVec3, inset: f64) -> bool {
+        facet.is_inside(p, inset)
+    }
 }
 
 /// Plain Rust, for any processor.
-pub(super) struct Portable(FilterRay);
+pub(crate) struct Portable {
+    origin: [f32; 3],
+    inv_direction: [f32; 3],
+    /// `origin · inv_direction`.
+    scaled_origin: [f32; 3],
+    planes: &'static [usize; 6],
+    axes: &'static [u32; 4],
+    /// x and y per unit z, and ray length per unit z, in the order of `axes`.
+    shear: [f32; 3],
+}
 
 type Lanes = [f32; WIDTH];
 
@@ -110,18 +128,33 @@ fn bits(f: impl Fn(usize) -> bool) -> u32 {
 
 impl Kernel for Portable {
     #[inline(always)]
-    unsafe fn new(ray: &FilterRay) -> Portable {
-        Portable(*ray)
+    unsafe fn new(origin: DVec3, direction: DVec3) -> Portable {
+        let origin = origin.as_vec3().to_array();
+        let d = direction.as_vec3().to_array();
+        let size = d.map(f32::abs);
+        let largest = most(size[0], most(size[1], size[2]));
+        let mask = |f: &dyn Fn(usize) -> bool| (0..3).fold(0, |mask, i| mask | usize::from(f(i)) << i);
+        let axes = &AXES[mask(&|i| size[i] == largest)];
+        let inv_direction = d.map(|c| 1.0 / most(c.abs(), SMALLEST).copysign(c));
+        let [x, y, z, _] = axes.map(|axis| axis as usize);
+        let per_z = inv_direction[z];
+        Portable {
+            origin,
+            inv_direction,
+            scaled_origin: std::array::from_fn(|i| origin[i] * inv_direction[i]),
+            planes: &PLANES[mask(&|i| d[i].is_sign_negative())],
+            axes,
+            shear: [d[x] * per_z, d[y] * per_z, per_z],
+        }
     }
 
     #[inline(always)]
     unsafe fn boxes(&self, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32 {
-        let ray = &self.0;
         let mut far = [t_max; WIDTH];
         *near = [0.0; WIDTH];
         for axis in 0..3 {
-            let (n, f) = (&node.planes[ray.near[axis]], &node.planes[ray.far[axis]]);
-            let (inv, start) = (ray.inv_direction[axis], ray.scaled_origin[axis]);
+            let (n, f) = (&node.planes[self.planes[axis]], &node.planes[self.planes[axis + 3]]);
+            let (inv, start) = (self.inv_direction[axis], self.scaled_origin[axis]);
             *near = lanes(|i| most(n[i] * inv - start, near[i]));
             far = lanes(|i| least(f[i] * inv - start, far[i]));
         }
@@ -130,10 +163,9 @@ impl Kernel for Portable {
 
     #[inline(always)]
     unsafe fn triangles(&self, leaf: &Leaf, t_max: f32, from: u32) -> u32 {
-        let ray = &self.0;
-        let [kx, ky, kz] = ray.axes;
-        let [sx, sy, sz] = ray.shear;
-        let (ox, oy, oz) = (ray.origin[kx], ray.origin[ky], ray.origin[kz]);
+        let [kx, ky, kz, _] = self.axes.map(|axis| axis as usize);
+        let [sx, sy, sz] = self.shear;
+        let (ox, oy, oz) = (self.origin[kx], self.origin[ky], self.origin[kz]);
         let z = leaf.corners.each_ref().map(|c| lanes(|i| c[kz][i] - oz));
         let x: [Lanes; 3] = std::array::from_fn(|c| lanes(|i| (leaf.corners[c][kx][i] - ox) - sx * z[c][i]));
         let y: [Lanes; 3] = std::array::from_fn(|c| lanes(|i| (leaf.corners[c][ky][i] - oy) - sy * z[c][i]));

@@ -30,12 +30,18 @@ use bsdftree_device::Device;
 use glam::DVec3;
 
 use analytic::Analytic;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use avx2::Avx2;
 pub use error::BvhError;
 use facet::Facet;
 use frame::Frame;
+pub(crate) use kernel::{Kernel, Portable};
 use node::{Child, Leaf, Node, WIDTH, edge_slack};
 use primitives::{Bounds, Primitives, Triangle};
 pub use ray::{Hit, Ray};
+
+/// A tree of up to this size \[byte\] stays in the caches next to a core, where waiting costs less than asking.
+const NEARBY: usize = 512 << 10;
 
 /// No surface has this index.
 const NO_SURFACE: u32 = u32::MAX;
@@ -98,6 +104,8 @@ pub struct Bvh {
     /// Material of each surface of the device.
     materials: Vec<u32>,
     simd: Simd,
+    /// Whether it is worth asking for memory before it is needed.
+    is_large: bool,
     /// An origin that has left a surface and is this near to a plane lies on it, local units.
     on_plane: f64,
     /// Overlap of neighbouring edges at normal incidence, local units.
@@ -122,19 +130,26 @@ impl Bvh {
         boxes.extend(analytic.iter().map(|a| a.1));
         let wide = collapse::collapse(&split::binary_tree(&boxes), triangles.len());
         let mut facets = Vec::with_capacity(triangles.len());
-        let leaves = wide.leaves.iter().map(|items| leaf(items, &triangles, &mut facets)).collect();
+        let leaves: Vec<Leaf> =
+            wide.leaves.iter().map(|items| leaf(items, &triangles, &mut facets)).collect();
         let analytic = wide.analytic.iter().map(|&i| {
             let (shape, _, surface) = &analytic[i as usize - triangles.len()];
             (shape.clone(), *surface)
         });
+        let analytic: Vec<(Analytic, u32)> = analytic.collect();
+        let bytes = size_of_val(&wide.nodes[..])
+            + size_of_val(&leaves[..])
+            + size_of_val(&facets[..])
+            + size_of_val(&analytic[..]);
         Ok(Bvh {
             frame,
             nodes: wide.nodes,
             leaves,
             facets,
-            analytic: analytic.collect(),
+            analytic,
             materials: device.surfaces.iter().map(|s| s.material).collect(),
             simd: Simd::detect(),
+            is_large: bytes > NEARBY,
             on_plane: 4.0 * frame.grain,
             slack: 8.0 * frame.grain,
             inset: 4096.0 * frame.grain,
@@ -150,6 +165,21 @@ impl Bvh {
     /// Corners of what can be hit \[m\].
     pub fn bounds(&self) -> [DVec3; 2] {
         self.frame.bounds.map(|p| self.frame.device_from_local(p))
+    }
+
+    /// Which implementation runs.
+    pub(crate) fn simd(&self) -> Simd {
+        self.simd
+    }
+
+    /// [`Bvh::closest`] in the caller, which so shares registers and instructions with it.
+    ///
+    /// # Safety
+    /// The processor must have the features `K` names.
+    #[inline(always)]
+    pub(crate) unsafe fn closest_by<K: Kernel>(&self, ray: &Ray) -> Option<Hit> {
+        // SAFETY: passed on to the caller.
+        unsafe { traverse::closest::<K>(self, ray) }
     }
 
     /// The first surface on a ray.

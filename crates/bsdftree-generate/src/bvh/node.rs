@@ -16,7 +16,7 @@ pub(super) const U: f32 = 1.0 / (1 << 24) as f32;
 /// Eight boxes and what is in them.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(crate) struct Node {
     /// `[2·axis]` lower, `[2·axis + 1]` upper planes. Unused children are inside out.
     pub planes: [[f32; WIDTH]; 6],
     pub children: [Child; WIDTH],
@@ -25,7 +25,7 @@ pub(super) struct Node {
 /// Up to eight triangles.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Leaf {
+pub(crate) struct Leaf {
     /// `[corner][axis][lane]`, local units.
     pub corners: [[[f32; WIDTH]; 3]; 3],
     /// Bound on the error of an edge function, see [`edge_slack`]; negative in unused lanes.
@@ -48,7 +48,7 @@ pub(super) fn edge_slack(extent: f32) -> f32 {
 /// A child of a node: its kind in the upper bits, an index below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
-pub(super) struct Child(pub u32);
+pub(crate) struct Child(pub u32);
 
 /// What a [`Child`] stands for.
 pub(super) enum Target {

@@ -19,7 +19,7 @@ fn every_facet(bvh: &Bvh, ray: &Ray) -> Option<(f64, u32)> {
             (0..super::WIDTH).filter(|&lane| leaf.slack[lane] > 0.0 && Some(leaf.surfaces[lane]) != ray.from)
         {
             let facet = &bvh.facets[leaf.first as usize + lane];
-            let hit = facet.hit(local.origin, local.direction, f64::INFINITY, on_plane, bvh.slack);
+            let hit = facet.hit(local.origin, ray.direction, f64::INFINITY, on_plane, bvh.slack);
             if let Some(t) = hit.filter(|&t| (t, leaf.surfaces[lane]) < best) {
                 best = (t, leaf.surfaces[lane]);
             }

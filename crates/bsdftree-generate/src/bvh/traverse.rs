@@ -8,7 +8,8 @@ use std::mem::MaybeUninit;
 use glam::DVec3;
 
 use super::analytic::Query;
-use super::kernel::{FilterRay, Kernel};
+use super::frame::Frame;
+use super::kernel::Kernel;
 use super::node::{Child, Target, WIDTH};
 use super::ray::{Hit, Ray};
 use super::{Bvh, NO_SURFACE};
@@ -23,6 +24,7 @@ const N_PREFETCHED: usize = 6;
 const FARTHEST: f64 = 1e30;
 
 /// What is met so far, in the local frame.
+#[derive(Clone, Copy)]
 struct Nearest {
     t: f64,
     surface: u32,
@@ -31,27 +33,27 @@ struct Nearest {
 }
 
 /// A ray brought into the local frame and up to the device's box.
-pub(super) struct LocalRay {
+pub(super) struct LocalRay<'a> {
+    /// As it was asked for; directions are the same in both frames.
+    pub ray: &'a Ray,
     pub origin: DVec3,
-    pub direction: DVec3,
     /// Distance \[m\] skipped in front of the box.
     pub skipped: f64,
     /// Surface just left, or [`NO_SURFACE`].
     pub from: u32,
 }
 
-impl LocalRay {
+impl<'a> LocalRay<'a> {
     /// `None` if the ray misses the device's box or is not finite.
     #[inline(always)]
-    pub fn new(bvh: &Bvh, ray: &Ray) -> Option<LocalRay> {
+    pub fn new(bvh: &Bvh, ray: &'a Ray) -> Option<LocalRay<'a>> {
         let origin = bvh.frame.local_from_device(ray.origin);
-        let [low, high] = bvh.frame.bounds;
         let from = ray.from.unwrap_or(NO_SURFACE);
-        if (origin.cmpge(low) & origin.cmple(high)).all() {
-            return Some(LocalRay { origin, direction: ray.direction, skipped: 0.0, from });
+        if Frame::is_near(origin) {
+            return Some(LocalRay { ray, origin, skipped: 0.0, from });
         }
         let (origin, skipped) = bvh.frame.approach(ray)?;
-        Some(LocalRay { origin, direction: ray.direction, skipped, from })
+        Some(LocalRay { ray, origin, skipped, from })
     }
 }
 
@@ -62,38 +64,62 @@ impl LocalRay {
 #[inline(always)]
 pub(super) unsafe fn closest<K: Kernel>(bvh: &Bvh, ray: &Ray) -> Option<Hit> {
     let local = LocalRay::new(bvh, ray)?;
-    let mut best = Nearest { t: FARTHEST, surface: NO_SURFACE, primitive: 0 };
     // SAFETY: passed on to the caller.
-    unsafe { walk::<K>(bvh, &local, &mut best) };
-    (best.surface != NO_SURFACE).then(|| bvh.describe(ray, &local, &best))
+    unsafe {
+        let kernel = K::new(local.origin, ray.direction);
+        let best = walk(bvh, &kernel, &local);
+        if best.surface == NO_SURFACE {
+            return None;
+        }
+        Some(bvh.describe(&kernel, &local, best))
+    }
 }
 
 /// # Safety
 /// As [`closest`].
 #[inline(always)]
-unsafe fn walk<K: Kernel>(bvh: &Bvh, ray: &LocalRay, best: &mut Nearest) {
+unsafe fn walk<K: Kernel>(bvh: &Bvh, kernel: &K, ray: &LocalRay) -> Nearest {
     // SAFETY: `K`'s features are the caller's promise. Indices come from the builder, which put every child there. The
     // stack holds what it was given before it is read, and cannot overflow: see STACK.
     unsafe {
-        let kernel = K::new(&FilterRay::new(ray.origin, ray.direction));
+        let mut best = Nearest { t: FARTHEST, surface: NO_SURFACE, primitive: 0 };
+        let mut limit = best.t as f32;
+        let on_plane = if ray.from == NO_SURFACE { 0.0 } else { bvh.on_plane };
         // An entry is the bits of a lower bound of t ≥ 0, which sort as integers, above the child.
         let mut stack = [MaybeUninit::<u64>::uninit(); STACK];
         let mut height = 0;
-        let mut entry = 0u64;
+        let mut child = Child::node(0);
         let mut near = [0.0f32; WIDTH];
         loop {
-            match Child(entry as u32).target() {
+            match child.target() {
                 Target::Node(index) => {
                     let node = bvh.nodes.get_unchecked(index);
-                    let mut hits = kernel.boxes(node, best.t as f32, &mut near);
+                    let hits = kernel.boxes(node, limit, &mut near);
                     if hits != 0 {
-                        let base = height;
-                        while hits != 0 {
+                        let entry = |hits: u32| {
                             let lane = hits.trailing_zeros() as usize & (WIDTH - 1);
+                            let child = node.children[lane];
+                            bvh.prefetch(child);
+                            (near[lane].to_bits() as u64) << 32 | child.0 as u64
+                        };
+                        let first = entry(hits);
+                        let mut hits = hits & (hits - 1);
+                        if hits == 0 {
+                            child = Child(first as u32);
+                            continue;
+                        }
+                        let second = entry(hits);
+                        hits &= hits - 1;
+                        let base = height;
+                        *stack.get_unchecked_mut(height) = MaybeUninit::new(first.max(second));
+                        height += 1;
+                        let mut nearest = first.min(second);
+                        while hits != 0 {
+                            let next = entry(hits);
                             hits &= hits - 1;
-                            bvh.prefetch(node.children[lane]);
-                            let key = (near[lane].to_bits() as u64) << 32 | node.children[lane].0 as u64;
-                            // Insert so that the nearest lies on top.
+                            // Insert so that the nearer lie higher.
+                            let key = nearest.max(next);
+                            nearest = nearest.min(next);
                             let mut k = height;
                             while k > base && stack.get_unchecked(k - 1).assume_init() < key {
                                 *stack.get_unchecked_mut(k) = *stack.get_unchecked(k - 1);
@@ -102,34 +128,50 @@ unsafe fn walk<K: Kernel>(bvh: &Bvh, ray: &LocalRay, best: &mut Nearest) {
                             *stack.get_unchecked_mut(k) = MaybeUninit::new(key);
                             height += 1;
                         }
-                        height -= 1;
-                        entry = stack.get_unchecked(height).assume_init();
+                        child = Child(nearest as u32);
                         continue;
                     }
                 }
                 Target::Leaf(index) => {
                     let leaf = bvh.leaves.get_unchecked(index);
-                    prefetch(&bvh.facets, leaf.first as usize, N_PREFETCHED);
-                    let mut hits = kernel.triangles(leaf, best.t as f32, ray.from);
+                    if bvh.is_large {
+                        prefetch(&bvh.facets, leaf.first as usize, N_PREFETCHED);
+                    }
+                    let mut hits = kernel.triangles(leaf, limit, ray.from);
                     while hits != 0 {
                         let lane = hits.trailing_zeros() as usize & (WIDTH - 1);
                         hits &= hits - 1;
-                        bvh.decide_facet(ray, leaf.first as usize + lane, leaf.surfaces[lane], best);
+                        let facet = leaf.first + lane as u32;
+                        let direction = ray.ray.direction;
+                        let found = kernel.facet(
+                            bvh.facets.get_unchecked(facet as usize),
+                            ray.origin,
+                            direction,
+                            best.t,
+                            on_plane,
+                            bvh.slack,
+                        );
+                        if let Some(t) = found {
+                            best = best.or(t, leaf.surfaces[lane], facet);
+                            limit = best.t as f32;
+                        }
                     }
                 }
                 Target::Analytic(first, count) => {
                     for index in first..first + count {
-                        bvh.decide_analytic(ray, index, best);
+                        best = bvh.decide_analytic(ray, index, best);
                     }
+                    limit = best.t as f32;
                 }
             }
             loop {
                 if height == 0 {
-                    return;
+                    return best;
                 }
                 height -= 1;
-                entry = stack.get_unchecked(height).assume_init();
-                if f32::from_bits((entry >> 32) as u32) <= best.t as f32 {
+                let entry = stack.get_unchecked(height).assume_init();
+                if f32::from_bits((entry >> 32) as u32) <= limit {
+                    child = Child(entry as u32);
                     break;
                 }
             }
@@ -154,6 +196,9 @@ fn prefetch<T>(items: &[T], first: usize, count: usize) {
 impl Bvh {
     #[inline(always)]
     fn prefetch(&self, child: Child) {
+        if !self.is_large {
+            return;
+        }
         match child.target() {
             Target::Node(index) => prefetch(&self.nodes, index, 1),
             Target::Leaf(index) => prefetch(&self.leaves, index, 1),
@@ -161,57 +206,54 @@ impl Bvh {
         }
     }
 
-    #[inline(always)]
-    fn decide_facet(&self, ray: &LocalRay, index: usize, surface: u32, best: &mut Nearest) {
-        let on_plane = if ray.from == NO_SURFACE { 0.0 } else { self.on_plane };
-        // SAFETY: leaves name only facets the builder wrote.
-        let facet = unsafe { self.facets.get_unchecked(index) };
-        if let Some(t) = facet.hit(ray.origin, ray.direction, best.t, on_plane, self.slack) {
-            best.take(t, surface, index as u32);
-        }
-    }
-
-    fn decide_analytic(&self, ray: &LocalRay, index: usize, best: &mut Nearest) {
+    #[inline(never)]
+    fn decide_analytic(&self, ray: &LocalRay, index: usize, best: Nearest) -> Nearest {
         let (shape, surface) = &self.analytic[index];
         let query = Query {
             origin: ray.origin,
-            direction: ray.direction,
+            direction: ray.ray.direction,
             t_max: best.t,
             leaving: *surface == ray.from,
             on_plane: if ray.from == NO_SURFACE { 0.0 } else { self.on_plane },
             slack: self.slack,
         };
-        if let Some(t) = shape.hit(&query) {
-            best.take(t, *surface, !(index as u32));
+        match shape.hit(&query) {
+            Some(t) => best.or(t, *surface, !(index as u32)),
+            None => best,
         }
     }
 
     #[inline(always)]
-    fn describe(&self, ray: &Ray, local: &LocalRay, best: &Nearest) -> Hit {
+    unsafe fn describe<K: Kernel>(&self, kernel: &K, local: &LocalRay, best: Nearest) -> Hit {
+        let (origin, direction) = (local.ray.origin, local.ray.direction);
         let t = best.t * self.frame.scale + local.skipped;
-        let p = local.origin + local.direction * best.t;
-        let material = self.materials[best.surface as usize];
-        let mut position = ray.origin + ray.direction * t;
-        let normal = if best.primitive as i32 >= 0 {
+        let p = local.origin + direction * best.t;
+        let (surface, material) = (best.surface, self.materials[best.surface as usize]);
+        let mut position = origin + direction * t;
+        if best.primitive as i32 >= 0 {
             let facet = &self.facets[best.primitive as usize];
-            if !facet.is_inside(p, self.inset) {
+            // SAFETY: passed on to the caller.
+            if !unsafe { kernel.is_inside(facet, p, self.inset) } {
                 position += (facet.inset(p, self.inset) - p) * self.frame.scale;
             }
-            facet.normal()
-        } else {
-            let (shape, _) = &self.analytic[!best.primitive as usize];
-            position += (shape.inset(p, self.inset) - p) * self.frame.scale;
-            shape.normal(p)
-        };
-        Hit { t, position, normal, front: normal.dot(ray.direction) < 0.0, surface: best.surface, material }
+            let normal = facet.normal();
+            return Hit { t, position, normal, front: normal.dot(direction) < 0.0, surface, material };
+        }
+        let (shape, _) = &self.analytic[!best.primitive as usize];
+        position += (shape.inset(p, self.inset) - p) * self.frame.scale;
+        let normal = shape.normal(p);
+        Hit { t, position, normal, front: normal.dot(direction) < 0.0, surface, material }
     }
 }
 
 impl Nearest {
+    /// The nearer; of equally near ones that of the lower surface.
     #[inline(always)]
-    fn take(&mut self, t: f64, surface: u32, primitive: u32) {
+    fn or(self, t: f64, surface: u32, primitive: u32) -> Nearest {
         if t < self.t || (t == self.t && surface < self.surface) {
-            *self = Nearest { t, surface, primitive };
+            Nearest { t, surface, primitive }
+        } else {
+            self
         }
     }
 }
