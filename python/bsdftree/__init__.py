@@ -17,6 +17,7 @@ from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._generate import GenerationReport, generate
+from bsdftree._peaks import Peak, PeakFamily
 
 __all__ = [
     "BandCheck",
@@ -28,6 +29,8 @@ __all__ = [
     "GenerationReport",
     "Matrix",
     "Parameter",
+    "Peak",
+    "PeakFamily",
     "Reciprocity",
     "Sample",
     "Tree",

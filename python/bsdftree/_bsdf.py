@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from bsdftree import _core
 from bsdftree._check import BandCheck, band_checks
 from bsdftree._directions import as_pairs, as_rows
+from bsdftree._peaks import PeakFamily, peak_families
 
 Part = Literal["all", "reflection", "transmission"]
 Array = NDArray[np.float64]
@@ -366,6 +367,47 @@ class Bsdf:
     def lambertian(self, band: str = "Visible") -> dict[str, float]:
         """Lambertian part of each component: the reflectance or transmittance of its smallest value, if over 1 %."""
         return self._core.lambertian(band)
+
+    def peaks(self, *, contrast: float = 10.0, min_strength: float = 0.002, band: str = "Visible") -> list[PeakFamily]:
+        """Specular peaks: light that leaves in one direction for each direction it comes from.
+
+        A cell is constant, so a peak in it is smeared: its flux is right, but the sun seen through it is as large as
+        the cell, and as much too dim. Broad lobes and noise are not peaks.
+
+        Parameters
+        ----------
+        contrast
+            How many times brighter than what lies around it a peak is, at least; over 1.
+        min_strength
+            Least fraction of the light in it, in (0, 1); five times that, on average, where no map describes the peaks.
+        band
+            Spectral band.
+
+        Returns
+        -------
+        list of PeakFamily
+            By component, the one with the most light first. An absent transmission has the peaks of the other one,
+            reversed.
+
+        Raises
+        ------
+        ValueError
+            If an argument is out of its range, or there is no such band.
+
+        Examples
+        --------
+        >>> mirror = np.zeros((4, 4, 4, 4))
+        >>> for a, b in np.ndindex(4, 4):
+        ...     mirror[a, b, a, b] = 0.8 / (np.pi / 16)
+        >>> family = Bsdf.from_trees({"reflection_back": Tree.from_grid(mirror)}).peaks()[0]
+        >>> family.kind, round(family.mean_strength, 4)
+        ('mirror', 0.8)
+        """
+        if not 1.0 < contrast < float("inf"):
+            raise ValueError(f"contrast is {contrast}; expected a number over 1")
+        if not 0.0 < min_strength < 1.0:
+            raise ValueError(f"min_strength is {min_strength}; expected a fraction of the light in (0, 1)")
+        return peak_families(_core.peaks(self._core, band, contrast, min_strength))
 
     def check(self, *, energy: float = 0.01, reciprocity: float = 0.25) -> list[BandCheck]:
         """Check energy, reciprocity, missing sides and orientation.

@@ -91,6 +91,7 @@ def generate(
     sides: str,
     color: bool,
     reciprocity: bool | None,
+    reuse: bool,
     pruned: bool,
     aperture: tuple[tuple[float, ...], tuple[float, ...]] | None,
     tile: bool,
@@ -99,3 +100,4 @@ def generate(
     threads: int | None,
 ) -> Generation: ...
 def check(bsdf: Bsdf, energy: float, reciprocity: float) -> list[dict[str, Any]]: ...
+def peaks(bsdf: Bsdf, band: str, contrast: float, min_strength: float) -> list[dict[str, Any]]: ...

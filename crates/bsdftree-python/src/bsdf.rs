@@ -32,7 +32,8 @@ fn lobes(part: &str) -> PyResult<Lobes> {
 }
 
 impl Bsdf {
-    fn band(&self, name: &str) -> PyResult<&Band> {
+    /// The band of a name, or an error that lists the names.
+    pub fn band(&self, name: &str) -> PyResult<&Band> {
         self.bsdf.band(name).ok_or_else(|| {
             let names: Vec<_> = self.bsdf.bands.iter().map(|b| b.name.as_str()).collect();
             PyValueError::new_err(format!("no band {name:?}; the file has {}", names.join(", ")))

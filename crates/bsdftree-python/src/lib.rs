@@ -5,6 +5,7 @@ mod bsdf;
 mod check;
 mod component;
 mod generate;
+mod peaks;
 
 use pyo3::prelude::*;
 
@@ -20,5 +21,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(generate::device_families, module)?)?;
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
+    module.add_function(wrap_pyfunction!(peaks::peaks, module)?)?;
     Ok(())
 }

@@ -48,6 +48,7 @@ pub mod color;
 pub mod bsdf;
 pub mod query;
 pub mod check;
+pub mod peaks;
 pub mod xml;
 
 pub use bsdf::{Band, Bsdf, Component, Geometry, Header, LengthUnit, Part, Scattering};

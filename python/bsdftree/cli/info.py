@@ -7,31 +7,48 @@ from typing import Any
 
 import click
 
-from bsdftree import Bsdf, Tree
+from bsdftree import Bsdf, PeakFamily, Tree, polar_from_direction
 from bsdftree._bsdf import Part
 from bsdftree._totals import mean_total, totals_by_azimuth
 from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
 
 _PARTS: tuple[Part, ...] = ("reflection", "transmission")
 _THETAS_DEG = (0, 15, 30, 45, 60, 75)
+_PEAK_THETAS_DEG = (0, 30, 60)
+_SUN_DEG = 0.533
 
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path())
+@click.option("--peaks", is_flag=True, help="Find specular peaks: straight through, mirrored and deviated.")
+@click.option(
+    "--min-strength",
+    type=click.FloatRange(0, 100, min_open=True, max_open=True),
+    default=0.2,
+    show_default=True,
+    metavar="PERCENT",
+    help="With --peaks: least part of the light in a peak.",
+)
 @repair_option
 @json_option
 @with_input_errors
-def info(files: tuple[str, ...], repair: bool, as_json: bool) -> None:
+def info(files: tuple[str, ...], peaks: bool, min_strength: float, repair: bool, as_json: bool) -> None:
     """Say what is in BSDF files: size, components, resolution, reflectance and transmittance.
 
     \b
     Examples:
       bsdftree info blinds.xml
+      bsdftree info --peaks glazing.xml
       bsdftree info --json *.xml
     """
     summaries = []
     for path in files:
-        summary = summarize(read(path, repair), path)
+        bsdf = read(path, repair)
+        summary = summarize(bsdf, path)
+        if peaks:
+            for band in summary["bands"]:
+                families = bsdf.peaks(min_strength=min_strength / 100, band=band["band"])
+                band["peaks"] = [summarize_peaks(family) for family in families]
         summaries.append(summary)
         if not as_json:
             show(summary)
@@ -95,6 +112,100 @@ def summarize(bsdf: Bsdf, path: str | None = None) -> dict[str, Any]:
     }
 
 
+def summarize_peaks(family: PeakFamily) -> dict[str, Any]:
+    """Collect what ``info --peaks`` prints of a family, and its peaks one by one."""
+    rows = []
+    for peak in family.peaks:
+        row: dict[str, Any] = {}
+        for name, direction in (("incident", peak.incident), ("exitant", peak.exitant)):
+            theta, phi = polar_from_direction(direction)
+            row |= {f"{name}_theta_deg": float(theta), f"{name}_phi_deg": float(phi)}
+        row |= {key: getattr(peak, key) for key in ("strength", "surround", "width_deg", "resolution_limited")}
+        rows.append(row)
+    least, most = family.strength_range
+    return {
+        "component": family.component,
+        "kind": family.kind,
+        "normal": family.normal,
+        "axis": family.axis,
+        "index": family.index,
+        "flat_first": family.flat_first,
+        "shift": family.shift,
+        "residual_deg": family.residual_deg,
+        "n_directions": family.n_directions,
+        "n_found": family.n_found,
+        "theta_deg": [min(family.theta_deg), max(family.theta_deg)],
+        "strength": {"mean": family.mean_strength, "min": least, "max": most},
+        "strength_by_theta_deg": {str(t): family.strength_at(t) for t in _PEAK_THETAS_DEG},
+        "width_deg": family.width_deg,
+        "resolution_limited": family.resolution_limited,
+        "peaks": rows,
+    }
+
+
+def _map_in_words(family: dict[str, Any]) -> str:
+    def along(vector: tuple[float, float, float]) -> str:
+        tilt, azimuth = polar_from_direction(vector)
+        return f"{tilt:.1f}° to φ {azimuth:.0f}°"
+
+    match family["kind"]:
+        case "straight":
+            return "straight through"
+        case "mirror":
+            return "mirrored"
+        case "retro":
+            return "retroreflected"
+        case "facet":
+            return f"deviated: mirror facets tilted {along(family['normal'])}"
+        case "groove":
+            tilt, azimuth = polar_from_direction(family["axis"])
+            # An axis in the plane of the device has no tilt worth telling, and points both ways.
+            direction = f"φ {azimuth % 180:.0f}°" if tilt > 89 else along(family["axis"])
+            return f"deviated: right-angled grooves along {direction}"
+        case "prism":
+            first = "flat side" if family["flat_first"] else "ridges"
+            return f"deviated: prism facets {along(family['normal'])}, index {family['index']:.2f}, {first} first"
+        case "inner_facet":
+            return f"deviated: inner facets {along(family['normal'])}, index {family['index']:.2f}"
+        case "shift":
+            return "deviated: {:+.3f}, {:+.3f} in direction cosines".format(*family["shift"])
+        case _:
+            return "deviated: no one map, see --json"
+
+
+def _show_peaks(families: list[dict[str, Any]]) -> None:
+    if not families:
+        stdout.print("\nNo specular peaks", style="bold")
+        return
+    angles = (f">{t}°" for t in _PEAK_THETAS_DEG)
+    ranges = (">θ", ">found", ">width", ">sun ×", ">residual")
+    rows = table("component", "peak", ">strength", ">min..max", *angles, *ranges, title="\nSpecular peaks")
+    for f in families:
+        strength, (low, high) = f["strength"], f["theta_deg"]
+        rows.add_row(
+            f["component"],
+            _map_in_words(f),
+            f"{100 * strength['mean']:.2f} %",
+            f"{100 * strength['min']:.1f}..{100 * strength['max']:.1f} %",
+            *("–" if s is None else f"{100 * s:.2f} %" for s in f["strength_by_theta_deg"].values()),
+            f"{low:.0f}–{high:.0f}°",
+            f"{100 * f['n_found'] / f['n_directions']:.0f} %",
+            f"{'≤ ' if f['resolution_limited'] else ''}{f['width_deg']:.1f}°",
+            f"{max((f['width_deg'] / _SUN_DEG) ** 2, 1):,.0f}",
+            "–" if f["residual_deg"] is None else f"{f['residual_deg']:.1f}°",
+        )
+    stdout.print(rows)
+
+
+_PEAK_NOTE = """\
+strength: part of the light in the peak, mean where it is found; 0°, 30°, 60°: of light from there.
+θ, found: incident directions. residual: angle from the map of directions that the peak follows.
+width ≤: as narrow as the data can say, in truth perhaps narrower.
+sun ×: the data keeps a peak's light but smears it over its width, so the sun in it is this much too large and dim.
+What to do: straight peaks come out sharp with Radiance's aBSDF in place of BSDF. Others do not: generate finer data
+(--log2-res), or put the mirror or prism itself into the scene where glare and sun patches matter."""
+
+
 def show(summary: dict[str, Any]) -> None:
     """Print a summary for people."""
     if summary["file"]:
@@ -127,4 +238,8 @@ def show(summary: dict[str, Any]) -> None:
             values = [t["hemispherical"], *t["by_theta_deg"].values()]
             totals.add_row(side, t["part"], *(f"{100 * v:.2f} %" for v in values))
         stdout.print(totals)
+        if "peaks" in band:
+            _show_peaks(band["peaks"])
+    if any(band.get("peaks") for band in summary["bands"]):
+        stdout.print(_PEAK_NOTE, style="dim", highlight=False, markup=False)
     stdout.print()
