@@ -51,7 +51,7 @@ pub(super) fn edge_slack(extent: f32) -> f32 {
 pub(crate) struct Child(pub u32);
 
 /// What a [`Child`] stands for.
-pub(super) enum Target {
+pub(crate) enum Target {
     Node(usize),
     Leaf(usize),
     /// First and number of analytic surfaces.

@@ -130,3 +130,50 @@ impl<S: Spectrum> Scene<S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bsdftree_device::Device;
+
+    use super::*;
+
+    const COUNT: u64 = 3 * WAVE as u64 + 17;
+
+    fn departures(device: &Device) -> Vec<Departure<u64>> {
+        let [low, high] = device.bounds().unwrap();
+        let start = |tag| {
+            let mut random = Random::new(5, 0, tag);
+            let [x, y, a, b] = [(); 4].map(|()| random.next_f64());
+            let direction = DVec3::new(a - 0.5, b - 0.5, -0.5).normalize();
+            let origin = low + DVec3::new(x, y, 1.0) * (high - low) - direction * 1e-6;
+            Departure { origin, direction, random, tag }
+        };
+        (0..COUNT).map(start).collect()
+    }
+
+    #[test]
+    fn a_path_of_a_wave_ends_as_it_does_alone_to_the_bit() {
+        for (spec, tiled) in [("blinds", false), ("sawtooth", true), ("prism:transmittance=0.5", true)] {
+            let device = Device::from_spec(spec).unwrap();
+            let tile = device
+                .tile
+                .filter(|_| tiled)
+                .map(|[min, max]| Tile::new(crate::Aperture { min: min.to_array(), max: max.to_array() }));
+            let built = Scene::<DVec3>::new(&device).unwrap();
+            for simd in [Simd::Portable, Simd::Avx2] {
+                let Some(bvh) = built.bvh.clone().with_simd(simd) else { continue };
+                let scene = Scene { bvh, materials: built.materials.clone() };
+                let departures = departures(&device);
+                let mut ends = vec![None; departures.len()];
+                scene.follow_all(departures.iter().cloned(), tile.as_ref(), |tag, outcome| {
+                    assert_eq!(ends[tag as usize].replace(outcome), None);
+                });
+                for (Departure { origin, direction, mut random, .. }, end) in departures.into_iter().zip(ends)
+                {
+                    let alone = built.follow(origin, direction, tile.as_ref(), &mut random);
+                    assert_eq!(end, Some(alone), "{spec} {simd:?}");
+                }
+            }
+        }
+    }
+}
