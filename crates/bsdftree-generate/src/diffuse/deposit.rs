@@ -19,7 +19,7 @@ use crate::tile::Tile;
 
 /// Keeps the random numbers of walks apart from those of paths of the same seed.
 const WALKS: u64 = 0x77_616c_6b73;
-const REST: u64 = 0x72_6573_74;
+const REST: u64 = 0x7265_7374;
 
 /// What walks need to know.
 pub(crate) struct Walker<'a, S> {
@@ -129,19 +129,55 @@ impl<S: Spectrum> Walker<'_, S> {
             DVec3::from_array(side.opposite().direction_from_disk(disk))
         };
         let Some(every) = self.entrance.sparsity(side, toward(0.5, 0.5)) else { return };
-        let rest = walks.start.div_ceil(every)..walks.end.div_ceil(every).max(walks.start.div_ceil(every) + 1);
+        let rest =
+            walks.start.div_ceil(every)..walks.end.div_ceil(every).max(walks.start.div_ceil(every) + 1);
         let share = (walks.end - walks.start) as f64 / (rest.end - rest.start) as f64;
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
         let seed = self.seed ^ REST;
         let stratified = Stratified::new(seed, stream);
+        let rims = rims(self.layout, cell);
         for k in rest {
             let mut start = stratified.start(seed, stream, k * N_REPLICATES as u64 + replicate as u64);
-            let direction = toward(start.incident[0], start.incident[1]);
+            let [(u, by_u), (v, by_v)] = [0, 1].map(|k| rims[k].crowded(start.incident[k]));
+            let direction = toward(u, v);
             if let Some((ray, flux)) = self.entrance.through_rest(side, direction, start.origin) {
                 walk(self.scene, self.tile, Lobes::Specular, (ray, None), &mut start.random, |meeting| {
-                    deposits.add(self.sites, &meeting, [0.0, flux * share]);
+                    deposits.add(self.sites, &meeting, [0.0, flux * share * by_u * by_v]);
                 });
             }
+        }
+    }
+}
+
+/// Which end of a coordinate of an incident cell is at grazing incidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rim {
+    Neither,
+    Lower,
+    Upper,
+}
+
+fn rims(layout: &Layout, cell: usize) -> [Rim; 2] {
+    let grazes = |u: f64, v: f64| {
+        let [x, y] = layout.incident_disk(cell, u, v);
+        x * x + y * y > 1.0 - 1e-9
+    };
+    let rim = |ends: [bool; 2]| match ends {
+        [true, false] => Rim::Lower,
+        [false, true] => Rim::Upper,
+        _ => Rim::Neither,
+    };
+    [rim([grazes(0.0, 0.5), grazes(1.0, 0.5)]), rim([grazes(0.5, 0.0), grazes(0.5, 1.0)])]
+}
+
+impl Rim {
+    /// A coordinate drawn more often towards the rim, with what its weight takes for it: the flux through an upright face goes
+    /// there as the inverse root of the distance from the rim, which is just taken off.
+    fn crowded(self, u: f64) -> (f64, f64) {
+        match self {
+            Rim::Neither => (u, 1.0),
+            Rim::Lower => (u * u, 2.0 * u),
+            Rim::Upper => (1.0 - (1.0 - u).powi(2), 2.0 * (1.0 - u)),
         }
     }
 }

@@ -102,3 +102,12 @@ fn invert(matrix: &mut [f64], n: usize) {
         });
     }
 }
+
+#[cfg(test)]
+impl<S: Spectrum> Exchange<S> {
+    /// Light sent out again because of unit light from a site.
+    pub fn sent_again(&self, site: usize, channel: usize) -> f64 {
+        let row = self.active.iter().position(|&s| s == site).expect("an active site");
+        self.rows[row].iter().map(|v| v.channel(channel)).sum()
+    }
+}

@@ -16,7 +16,7 @@
 //!   (`reversal`).
 //!
 //! What is kept: a site sends out light evenly over its area. So C is the diffuse part but for how light varies within
-//! patches, which [`partition`] keeps small, and what that is off is for full paths to correct, C being their control variate.
+//! patches, which `partition` keeps small, and what that is off is for full paths to correct, C being their control variate.
 //! Two replicates P¹A², P²A¹ are independent in P and A, so that their mean is right on the diagonal too, and their
 //! difference tells the variance, K's included.
 //!
@@ -28,8 +28,10 @@ mod entrance;
 mod interreflection;
 mod model;
 mod partition;
+mod pilot;
 mod points;
 mod sites;
+mod spread;
 mod walk;
 #[cfg(test)]
 mod tests;

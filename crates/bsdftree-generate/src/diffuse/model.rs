@@ -38,7 +38,9 @@ pub(crate) const MAX_LOG2: u32 = 6;
 pub(crate) fn model_layout(layout: &Layout) -> Option<Layout> {
     match layout {
         Layout::Tree { rank: bsdftree::Rank::Three, .. } => None,
-        Layout::Tree { rank, log2_res } => Some(Layout::Tree { rank: *rank, log2_res: (*log2_res).min(MAX_LOG2) }),
+        Layout::Tree { rank, log2_res } => {
+            Some(Layout::Tree { rank: *rank, log2_res: (*log2_res).min(MAX_LOG2) })
+        }
         Layout::Klems(_) => Some(layout.clone()),
     }
 }
@@ -46,12 +48,7 @@ pub(crate) fn model_layout(layout: &Layout) -> Option<Layout> {
 impl<S: Spectrum> Model<S> {
     /// From rows of the front and of the back, whose cells are those of `layout`. `walks` walks from each site measure
     /// interreflection.
-    pub fn new(
-        walker: &Walker<S>,
-        layout: &Layout,
-        rows: [Option<SideRows>; 2],
-        walks: u64,
-    ) -> Model<S> {
+    pub fn new(walker: &Walker<S>, layout: &Layout, rows: [Option<SideRows>; 2], walks: u64) -> Model<S> {
         let n_sites = walker.sites.len();
         let exchange = [0, 1].map(|replicate| {
             let mut lit = vec![false; n_sites];
@@ -139,5 +136,21 @@ fn multiply(a: &[f32], b: &[f32], out: &mut [f32], inner: usize, columns: usize)
             columns as isize,
             1,
         );
+    }
+}
+
+#[cfg(test)]
+impl<S: Spectrum> Model<S> {
+    /// Of each active site, the light that leaves at once, and that which other sites send out again.
+    pub fn closure(&self, channel: usize) -> Vec<(usize, f64, f64)> {
+        let exchange = &self.exchange[0];
+        let omega = std::f64::consts::PI / self.n_cells as f64;
+        let leaves = |s: usize| -> f64 {
+            let rows = self.rows.iter().flatten().flat_map(|side| &side[0]);
+            rows.map(|row| f64::from(row.arrived[channel * self.n_sites + s])).sum::<f64>()
+                * self.share[s]
+                * omega
+        };
+        exchange.active.iter().map(|&s| (s, leaves(s), exchange.sent_again(s, channel))).collect()
     }
 }

@@ -56,8 +56,7 @@ pub(crate) fn walk<S: Spectrum>(
     let mut reversal = 1.0;
     for _ in 0..MAX_BOUNCES {
         let hit = bvh.closest(&ray);
-        if let Some((again, t)) =
-            tile.and_then(|tile| tile.wrapped(&ray, hit.map_or(f64::INFINITY, |h| h.t)))
+        if let Some((again, t)) = tile.and_then(|tile| tile.wrapped(&ray, hit.map_or(f64::INFINITY, |h| h.t)))
         {
             if let Some(transmittance) = medium {
                 weight = weight * attenuation::<S>(transmittance, t);

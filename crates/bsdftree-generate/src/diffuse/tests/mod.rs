@@ -1,4 +1,6 @@
 //! Models against closed forms and plain paths. Fixed seeds.
 
+mod agreement;
+mod closed_forms;
 mod measure;
 mod support;

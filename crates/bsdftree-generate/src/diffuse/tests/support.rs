@@ -34,7 +34,6 @@ pub struct Setup<S> {
 pub struct Modelled<S> {
     pub model: Model<S>,
     pub specular: [Vec<f64>; 2],
-    pub n_sites: usize,
 }
 
 impl<S: Spectrum> Setup<S> {
@@ -86,7 +85,32 @@ impl<S: Spectrum> Setup<S> {
             Some([a, b])
         });
         let model = Model::new(&walker, &self.layout, rows, exchanged);
-        Modelled { model, specular, n_sites: sites.len() }
+        Modelled { model, specular }
+    }
+
+    /// Rows of a side alone.
+    pub fn rows(&self, sites: &Sites, side: Side, walks: u64, seed: u64) -> SideRows {
+        let tile = self.tile.as_ref();
+        let walker =
+            Walker { scene: &self.scene, sites, entrance: &self.entrance, tile, layout: &self.layout, seed };
+        let rows: Vec<[Row; 2]> = (0..self.layout.n_incident())
+            .into_par_iter()
+            .map(|cell| {
+                let mut deposits = Deposits::new(sites);
+                [0, 1].map(|replicate| {
+                    walker.walk_cell(side, cell, 0..walks, replicate, &mut deposits, |_, _, _| {});
+                    deposits.drain()
+                })
+            })
+            .collect();
+        [0, 1].map(|r| rows.iter().map(|row| row[r].clone()).collect())
+    }
+
+    pub fn exchanged(&self, sites: &Sites, rows: [Option<SideRows>; 2], walks: u64, seed: u64) -> Model<S> {
+        let tile = self.tile.as_ref();
+        let walker =
+            Walker { scene: &self.scene, sites, entrance: &self.entrance, tile, layout: &self.layout, seed };
+        Model::new(&walker, &self.layout, rows, walks)
     }
 
     /// f and its variance from plain paths, per incident cell and exitant cell of both sides.
@@ -137,7 +161,7 @@ impl<S: Spectrum> Setup<S> {
         f
     }
 
-    /// The mean of both estimates of a part; of channels, by their luminance of a grey.
+    /// The mean of both estimates of a part, in its first channel.
     pub fn mean(&self, modelled: &Modelled<S>, part: Part) -> Vec<f32> {
         let [a, b] = modelled.model.estimates(part, 0).unwrap();
         a.iter().zip(&b).map(|(a, b)| 0.5 * (a + b)).collect()
