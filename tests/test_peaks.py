@@ -173,6 +173,7 @@ def test_info_prints_peaks_and_what_to_do(data):
     assert result.exit_code == 0, result.output
     assert result.output.count("straight through") == 4  # two components, Visible and Solar
     assert result.output.count("aBSDF") == 1
+    assert "…" not in result.output
     without = run("info", data / "mermet" / "E_Screen_3pct_White.xml")
     assert "peak" not in without.output.lower()
     nothing = run("info", "--peaks", data / "radiance" / "testBSDF.xml")

@@ -372,7 +372,8 @@ class Bsdf:
         """Specular peaks: light that leaves in one direction for each direction it comes from.
 
         A cell is constant, so a peak in it is smeared: its flux is right, but the sun seen through it is as large as
-        the cell, and as much too dim. Broad lobes and noise are not peaks.
+        the cell, and as much too dim. Broad lobes and noise are not peaks, and in data coarser
+        than 2^3 cells per axis none can be told.
 
         Parameters
         ----------
@@ -396,9 +397,9 @@ class Bsdf:
 
         Examples
         --------
-        >>> mirror = np.zeros((4, 4, 4, 4))
-        >>> for a, b in np.ndindex(4, 4):
-        ...     mirror[a, b, a, b] = 0.8 / (np.pi / 16)
+        >>> mirror = np.zeros((8, 8, 8, 8))
+        >>> for a, b in np.ndindex(8, 8):
+        ...     mirror[a, b, a, b] = 0.8 / (np.pi / 64)
         >>> family = Bsdf.from_trees({"reflection_back": Tree.from_grid(mirror)}).peaks()[0]
         >>> family.kind, round(family.mean_strength, 4)
         ('mirror', 0.8)

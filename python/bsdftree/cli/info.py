@@ -6,6 +6,7 @@ import os
 from typing import Any
 
 import click
+from rich.console import Console
 
 from bsdftree import Bsdf, PeakFamily, Tree, polar_from_direction
 from bsdftree._bsdf import Part
@@ -16,6 +17,8 @@ _PARTS: tuple[Part, ...] = ("reflection", "transmission")
 _THETAS_DEG = (0, 15, 30, 45, 60, 75)
 _PEAK_THETAS_DEG = (0, 30, 60)
 _SUN_DEG = 0.533
+# What deviates a peak takes more than the width of other tables.
+_wide = Console(soft_wrap=True, width=200)
 
 
 @click.command()
@@ -143,34 +146,35 @@ def summarize_peaks(family: PeakFamily) -> dict[str, Any]:
     }
 
 
-def _map_in_words(family: dict[str, Any]) -> str:
+_PEAK_KINDS = {"straight": "straight through", "mirror": "mirrored", "retro": "retroreflected"}
+
+
+def _deviation(family: dict[str, Any]) -> str:
+    """What deviates the peaks of a family, in words."""
+
     def along(vector: tuple[float, float, float]) -> str:
         tilt, azimuth = polar_from_direction(vector)
-        return f"{tilt:.1f}° to φ {azimuth:.0f}°"
+        return f"{tilt:.1f}° to φ {round(float(azimuth)) % 360}°"
 
     match family["kind"]:
-        case "straight":
-            return "straight through"
-        case "mirror":
-            return "mirrored"
-        case "retro":
-            return "retroreflected"
         case "facet":
-            return f"deviated: mirror facets tilted {along(family['normal'])}"
+            return f"mirror facets {along(family['normal'])}"
         case "groove":
             tilt, azimuth = polar_from_direction(family["axis"])
             # An axis in the plane of the device has no tilt worth telling, and points both ways.
-            direction = f"φ {azimuth % 180:.0f}°" if tilt > 89 else along(family["axis"])
-            return f"deviated: right-angled grooves along {direction}"
+            direction = f"φ {round(float(azimuth)) % 180}°" if tilt > 89 else along(family["axis"])
+            return f"right-angled grooves along {direction}"
         case "prism":
             first = "flat side" if family["flat_first"] else "ridges"
-            return f"deviated: prism facets {along(family['normal'])}, index {family['index']:.2f}, {first} first"
+            return f"prism facets {along(family['normal'])}, index {family['index']:.2f}, {first} first"
         case "inner_facet":
-            return f"deviated: inner facets {along(family['normal'])}, index {family['index']:.2f}"
+            return f"inner facets {along(family['normal'])}, index {family['index']:.2f}"
         case "shift":
-            return "deviated: {:+.3f}, {:+.3f} in direction cosines".format(*family["shift"])
+            return "shift {:+.3f}, {:+.3f} in direction cosines".format(*family["shift"])
+        case "table":
+            return "no one map: see --json"
         case _:
-            return "deviated: no one map, see --json"
+            return ""
 
 
 def _show_peaks(families: list[dict[str, Any]]) -> None:
@@ -178,28 +182,29 @@ def _show_peaks(families: list[dict[str, Any]]) -> None:
         stdout.print("\nNo specular peaks", style="bold")
         return
     angles = (f">{t}°" for t in _PEAK_THETAS_DEG)
-    ranges = (">θ", ">found", ">width", ">sun ×", ">residual")
+    ranges = (">θ", ">found", ">width", ">sun ×", ">misfit", "deviated by")
     rows = table("component", "peak", ">strength", ">min..max", *angles, *ranges, title="\nSpecular peaks")
     for f in families:
         strength, (low, high) = f["strength"], f["theta_deg"]
         rows.add_row(
             f["component"],
-            _map_in_words(f),
-            f"{100 * strength['mean']:.2f} %",
+            _PEAK_KINDS.get(f["kind"], "deviated"),
+            f"{100 * strength['mean']:.1f} %",
             f"{100 * strength['min']:.1f}..{100 * strength['max']:.1f} %",
-            *("–" if s is None else f"{100 * s:.2f} %" for s in f["strength_by_theta_deg"].values()),
+            *("–" if s is None else f"{100 * s:.1f} %" for s in f["strength_by_theta_deg"].values()),
             f"{low:.0f}–{high:.0f}°",
             f"{100 * f['n_found'] / f['n_directions']:.0f} %",
             f"{'≤ ' if f['resolution_limited'] else ''}{f['width_deg']:.1f}°",
             f"{max((f['width_deg'] / _SUN_DEG) ** 2, 1):,.0f}",
             "–" if f["residual_deg"] is None else f"{f['residual_deg']:.1f}°",
+            _deviation(f),
         )
-    stdout.print(rows)
+    _wide.print(rows)
 
 
 _PEAK_NOTE = """\
 strength: part of the light in the peak, mean where it is found; 0°, 30°, 60°: of light from there.
-θ, found: incident directions. residual: angle from the map of directions that the peak follows.
+θ, found: incident directions. misfit: angle (root mean square) from the map of directions that the peak follows.
 width ≤: as narrow as the data can say, in truth perhaps narrower.
 sun ×: the data keeps a peak's light but smears it over its width, so the sun in it is this much too large and dim.
 What to do: straight peaks come out sharp with Radiance's aBSDF in place of BSDF. Others do not: generate finer data

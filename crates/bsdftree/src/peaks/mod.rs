@@ -12,8 +12,8 @@
 //!
 //! What is a peak and why is said in `detect`, how peaks become families in `family`, how maps are found in `fit`.
 
-mod detect;
 mod field;
+mod detect;
 mod map;
 mod fit;
 mod family;
