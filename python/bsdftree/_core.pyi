@@ -86,6 +86,7 @@ def generate(
     samples: int,
     tolerance: float | None,
     direction_tolerance: float,
+    detail: float | None,
     time_budget: float | None,
     stratified: bool,
     sides: str,

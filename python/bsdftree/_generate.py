@@ -66,11 +66,13 @@ def generate(
     samples: int | None = None,
     tolerance: float | None = None,
     direction_tolerance: float = 0.05,
+    detail: float | None = None,
     time_budget: float | None = None,
     sampling: Literal["sobol", "random"] = "sobol",
     sides: Literal["front", "back", "both"] = "both",
     color: bool = False,
     reciprocity: bool | None = None,
+    reuse: bool = True,
     prune: bool = True,
     dim: Sequence[float] | None = None,
     tile: bool = False,
@@ -103,6 +105,10 @@ def generate(
     direction_tolerance
         Tolerated error of the hemispherical total of any one incident direction, relative to it, or to 0.1 if it is
         less. Cells are kept small enough for it.
+    detail
+        How small differences are kept, relative to the mean BSDF, where they are as large as a cell of a 2^5 tree
+        (smaller ones have to be stronger): less gives more values. By default 0.1, or twice the tolerance if that is
+        less.
     time_budget
         Stop when this time [s] is over. With the same ``samples`` as the report names, the result is the same bits.
     sampling
@@ -114,6 +120,9 @@ def generate(
     reciprocity
         Whether to average pairs of directions with the same pairs swapped; by default, where the device's materials
         are reciprocal, but for rank 3, where it cannot be done.
+    reuse
+        Whether diffused light is followed to and from patches of surface, which all directions share, and corrected by full
+        paths (trees of rank 4).
     prune
         Whether to merge cells of a tree that differ only by noise.
     dim
@@ -158,11 +167,13 @@ def generate(
         samples=samples if samples is not None else 2000 if tolerance is None and time_budget is None else 2**32 - 1,
         tolerance=tolerance,
         direction_tolerance=direction_tolerance,
+        detail=detail,
         time_budget=time_budget,
         stratified=sampling == "sobol",
         sides=sides,
         color=color,
         reciprocity=reciprocity,
+        reuse=reuse,
         pruned=prune,
         aperture=aperture,
         tile=tile,

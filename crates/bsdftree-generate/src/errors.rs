@@ -71,7 +71,8 @@ fn visited<S: Spectrum>(
                 true => reducer.moments(&region, members, weight).variance.sqrt(),
                 false => {
                     let exits = members.iter().flat_map(|&m| reducer.exits(m));
-                    standard_error(exits, reducer.n) / (reducer.omega * size)
+                    let counted = standard_error(exits, reducer.n) / (reducer.omega * size);
+                    (counted * counted + reducer.modelled(&region).variance).sqrt()
                 }
             };
             let spread = spread(reducer, *value, &region, members);
@@ -102,7 +103,7 @@ fn visited<S: Spectrum>(
 
 /// By how much a leaf's children differ from it beyond noise \[1/sr\].
 fn spread<S: Spectrum>(reducer: &Reducer<'_, S>, value: f64, region: &Region, members: &[Member]) -> f64 {
-    if members.is_empty() || region.level == reducer.log2_res {
+    if reducer.is_whole(region, members) {
         return 0.0;
     }
     let weight = reducer.weight(members);

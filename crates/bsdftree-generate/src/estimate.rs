@@ -4,13 +4,16 @@ use std::sync::Arc;
 
 use bsdftree::{Basis, Bsdf, Component, Matrix, Part, Scattering, Side};
 
+use crate::correction::corrected;
+use crate::diffuse::Model;
 use crate::errors::{MEAN_ABSOLUTE, STUDENT_95, Uncertainty, standard_error, uncertainty};
 use crate::generate::GenerateError;
 use crate::guard::{LEAST_TOTAL, guarded};
 use crate::layout::Layout;
 use crate::options::Options;
+use crate::pyramid::Pyramid;
 use crate::reciprocity::averaged;
-use crate::reduce::Reducer;
+use crate::reduce::{LAMBDA, Reducer};
 use crate::scatter::Spectrum;
 use crate::tally::{Exit, Row};
 
@@ -18,6 +21,8 @@ use crate::tally::{Exit, Row};
 pub(crate) struct Counted<S> {
     pub side: Side,
     pub rows: [Vec<Row<S>>; 2],
+    /// Full paths of light that is diffused; where there is a model of it, it is not in `rows`.
+    pub diffused: [Vec<Row<S>>; 2],
 }
 
 /// What follows from counted paths.
@@ -34,6 +39,10 @@ pub(crate) struct Estimated {
 /// How counted paths are made a BSDF.
 pub(crate) struct Estimator<'a, S> {
     pub options: &'a Options,
+    /// Of light that is diffused.
+    pub model: Option<Model<S>>,
+    /// Full paths of it per incident cell.
+    pub n_diffused: f64,
     pub reciprocity: bool,
     /// From sums to CIE X, Y, Z, where colour is asked for.
     pub xyz: Option<fn(S) -> [f64; 3]>,
@@ -41,8 +50,10 @@ pub(crate) struct Estimator<'a, S> {
     pub n: f64,
 }
 
-/// Rows of one component.
+/// Rows of one component, and the model of what is not in them.
 struct Rows<'a, S> {
+    diffused: &'a [Row<S>],
+    model: Option<Pyramid>,
     /// As counted.
     plain: &'a [Row<S>],
     /// Averaged with what travelled the other way.
@@ -72,14 +83,15 @@ impl<S: Spectrum> Estimator<'_, S> {
     pub fn estimated(&self, counted: &[Counted<S>], mut bsdf: Bsdf) -> Result<Estimated, GenerateError> {
         let mut errors = bsdf.clone();
         let (mut absolute, mut total, mut direction_error) = (0.0, 0.0, 0.0f64);
-        for Counted { side, rows: [reflected, transmitted] } in counted {
-            let totals = [reflected, transmitted].map(|rows| self.totals(rows));
+        for Counted { side, .. } in counted {
+            let parts = [*side, side.opposite()].map(|toward| Part::between(*side, toward));
+            let rows = parts.map(|part| self.rows(counted, part));
+            let totals = [0, 1].map(|k| self.totals(&rows[k]));
+            let mean = totals.iter().flatten().sum::<f64>() / (std::f64::consts::PI * totals[0].len() as f64);
             let headroom: Vec<f64> = totals[0].iter().zip(&totals[1]).map(|(a, b)| 1.0 - a - b).collect();
-            for (toward, totals) in [*side, side.opposite()].into_iter().zip(&totals) {
-                let part = Part::between(*side, toward);
-                let rows = self.rows(counted, part);
+            for ((part, rows), totals) in parts.into_iter().zip(rows).zip(&totals) {
                 let estimate = match &self.options.layout {
-                    Layout::Tree { .. } => self.trees(&rows, totals, &headroom)?,
+                    Layout::Tree { .. } => self.trees(&rows, totals, &headroom, mean)?,
                     Layout::Klems(basis) => self.matrices(&rows, totals, basis)?,
                 };
                 bsdf.band_mut("Visible").insert(part, estimate.component);
@@ -93,9 +105,16 @@ impl<S: Spectrum> Estimator<'_, S> {
         Ok(Estimated { bsdf, errors, error, direction_error })
     }
 
-    /// The light that left from each incident cell.
-    fn totals(&self, rows: &[Row<S>]) -> Vec<f64> {
-        rows.iter().map(|row| row.iter().map(|exit| exit.sum.luminance()).sum::<f64>() / self.n).collect()
+    /// The light that leaves from each incident cell.
+    fn totals(&self, rows: &Rows<'_, S>) -> Vec<f64> {
+        let modelled = |i: usize| match &rows.model {
+            None => 0.0,
+            Some(model) => {
+                model.row(0, (i * model.n_cells() / rows.plain.len()) as u32, 0) * std::f64::consts::PI
+            }
+        };
+        let counted = |row: &Row<S>| row.iter().map(|exit| exit.sum.luminance()).sum::<f64>() / self.n;
+        rows.plain.iter().enumerate().map(|(i, row)| counted(row) + modelled(i)).collect()
     }
 
     fn rows<'c>(&self, counted: &'c [Counted<S>], part: Part) -> Rows<'c, S> {
@@ -104,14 +123,29 @@ impl<S: Spectrum> Estimator<'_, S> {
         let side = part.incident_side();
         let plain = of(side).expect("the side of the part was counted");
         // Light that was reflected goes back from the same side, light that was transmitted from the other one.
-        let other = of(if part.is_reflection() { side } else { side.opposite() });
-        let averaged = other
-            .filter(|_| self.reciprocity)
-            .map(|other| averaged(&self.options.layout, plain, other, self.n));
-        Rows { plain, symmetric: averaged.is_some() && part.is_reflection(), averaged }
+        let averaged = match (self.reciprocity, part.is_reflection(), of(side.opposite())) {
+            (false, _, _) | (_, false, None) => None,
+            (true, true, _) => Some(averaged(&self.options.layout, plain, None, self.n)),
+            (true, false, other) => Some(averaged(&self.options.layout, plain, other, self.n)),
+        };
+        let diffused = counted.iter().find(|c| c.side == side).map_or(&[][..], |c| c.diffused[k].as_slice());
+        let model = self.model.as_ref().map(|model| pyramid(model, part));
+        Rows { plain, diffused, model, symmetric: averaged.is_some() && part.is_reflection(), averaged }
     }
 
-    fn trees(&self, rows: &Rows<'_, S>, totals: &[f64], headroom: &[f64]) -> Result<Estimate, GenerateError> {
+    /// What a leaf costs, where `mean` is that of the BSDF \[1/sr\]: a difference of `detail` times the mean is kept from a size of one
+    /// cell of a 2⁵ tree on.
+    fn price(&self, mean: f64, log2_res: u32) -> f64 {
+        LAMBDA * (self.options.detail() * mean).powi(2) * 16f64.powi(log2_res as i32 - 5)
+    }
+
+    fn trees(
+        &self,
+        rows: &Rows<'_, S>,
+        totals: &[f64],
+        headroom: &[f64],
+        mean: f64,
+    ) -> Result<Estimate, GenerateError> {
         let Layout::Tree { rank, log2_res } = self.options.layout else { unreachable!("not a tree") };
         let reducer = Reducer {
             rank,
@@ -122,13 +156,32 @@ impl<S: Spectrum> Estimator<'_, S> {
             symmetric: rows.symmetric,
             pruned: self.options.pruned,
             xyz: self.xyz,
+            price: self.price(mean, log2_res),
+            model: rows.model.as_ref(),
+            residual: false,
         };
         let kept = reducer.cheapest();
         let (kept, deviations) = match self.options.pruned {
             true => guarded(&reducer, kept, totals, headroom, self.options.direction_tolerance),
             false => (kept, vec![0.0; totals.len()]),
         };
-        let Uncertainty { errors, absolute, total } = uncertainty(&reducer, &kept);
+        let Uncertainty { mut errors, mut absolute, total } = uncertainty(&reducer, &kept);
+        let mut kept = kept;
+        if let Some(model) = &rows.model {
+            let reducer = Reducer {
+                rows: rows.diffused,
+                n: self.n_diffused,
+                symmetric: false,
+                pruned: true,
+                residual: true,
+                price: 0.0,
+                ..reducer
+            };
+            let residual = reducer.cheapest();
+            let uncertain = uncertainty(&reducer, &residual);
+            absolute = absolute.hypot(uncertain.absolute);
+            [kept, errors] = corrected(&kept, &errors, &residual, &uncertain, model);
+        }
         let trees = kept.trees(rank, self.xyz.is_some())?;
         let chroma = trees.chroma.map(|trees| trees.map(Scattering::from));
         Ok(Estimate {
@@ -185,4 +238,22 @@ impl<S: Spectrum> Estimator<'_, S> {
         let errors = noises.zip(deviations).map(|(noise, deviation)| deviation.abs().max(noise));
         errors.zip(totals).map(|(error, total)| error / total.max(LEAST_TOTAL)).fold(0.0, f64::max)
     }
+}
+
+/// The model of a part at all levels.
+fn pyramid<S: Spectrum>(model: &Model<S>, part: Part) -> Pyramid {
+    let estimates = |channel| model.estimates(part, channel).expect("walks from both sides");
+    let unit = |channel: usize| {
+        let mut rgb = glam::DVec3::ZERO;
+        match S::CHANNELS {
+            1 => rgb = glam::DVec3::ONE,
+            _ => rgb[channel] = 1.0,
+        }
+        S::from_rgb(rgb).luminance()
+    };
+    Pyramid::new(
+        model.log2(),
+        (0..S::CHANNELS).map(estimates).collect(),
+        (0..S::CHANNELS).map(unit).collect(),
+    )
 }

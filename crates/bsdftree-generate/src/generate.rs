@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::bvh::BvhError;
+use crate::diffuse::{Laid, Reuse, SideRows, mean_of};
 use crate::estimate::{Counted, Estimated, Estimator};
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
@@ -138,7 +139,16 @@ struct Generator<'a, S> {
     tile: Option<Tile>,
     progress: &'a Progress,
     reciprocity: bool,
+    reuse: Option<Reuse>,
     xyz: Option<fn(S) -> [f64; 3]>,
+}
+
+/// All that was counted.
+struct Counts<S> {
+    /// By side asked for.
+    counted: Vec<Counted<S>>,
+    /// What was laid down by walks from the front and from the back.
+    laid: Option<[SideRows; 2]>,
 }
 
 impl<'a, S: Spectrum> Generator<'a, S> {
@@ -161,15 +171,17 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         let possible = !matches!(options.layout, Layout::Tree { rank: Rank::Three, .. })
             && device.materials.iter().all(|m| is_reciprocal(&m.material));
         let reciprocity = options.reciprocity.unwrap_or(possible);
-        Ok(Generator { scene, options, aperture, tile, progress, reciprocity, xyz })
+        let reuse = match options.reuse {
+            true => Reuse::new(&scene, device, options, &aperture, tile.as_ref()),
+            false => None,
+        };
+        Ok(Generator { reuse, scene, options, aperture, tile, progress, reciprocity, xyz })
     }
 
     fn run(&self, device: &Device) -> Result<Generated, GenerateError> {
         let begin = Instant::now();
         let options = self.options;
-        let empty = || vec![Row::new(); options.layout.n_incident()];
-        let mut counted: Vec<_> =
-            options.sides.iter().map(|side| Counted { side, rows: [empty(), empty()] }).collect();
+        let mut counts = self.nothing();
         let (mut samples, mut lost) = (0, 0);
         let (mut tracing, mut reducing) = (Duration::ZERO, Duration::ZERO);
         let (stop, estimated) = loop {
@@ -185,7 +197,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
                     },
                 }
             }
-            if let Some(gib) = self.gib_after(&counted, &round) {
+            if let Some(gib) = self.gib_after(&counts, &round) {
                 if samples > 0 && (options.tolerance.is_some() || options.time_budget.is_some()) {
                     break (Stop::Memory, None);
                 }
@@ -193,7 +205,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
                 return Err(GenerateError::Memory { samples, cells, gib });
             }
             let started = Instant::now();
-            lost += self.count(&mut counted, round.clone())?;
+            lost += self.count(&mut counts, round.clone())?;
             samples = round.end;
             tracing += started.elapsed();
             if samples == options.samples {
@@ -201,7 +213,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             }
             if options.tolerance.is_some() || (options.time_budget.is_some() && reducing.is_zero()) {
                 let started = Instant::now();
-                let estimated = self.estimated(&counted, samples)?;
+                let estimated = self.estimated(&counts, samples)?;
                 reducing = started.elapsed();
                 let reached = |tolerance: f64| {
                     estimated.error <= tolerance && estimated.direction_error <= options.direction_tolerance
@@ -214,7 +226,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         let started = Instant::now();
         let Estimated { bsdf, errors, error, direction_error } = match estimated {
             Some(estimated) => estimated,
-            None => self.estimated(&counted, samples)?,
+            None => self.estimated(&counts, samples)?,
         };
         let report = Report {
             paths: self.paths(samples),
@@ -231,20 +243,29 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         Ok(Generated { bsdf, errors, report })
     }
 
-    /// Paths from all incident cells.
+    fn nothing(&self) -> Counts<S> {
+        let counted = self.options.sides.iter().map(|side| self.nothing_of(side)).collect();
+        let laid = |reuse: &Reuse| [(); 2].map(|()| [(); 2].map(|()| vec![Laid::default(); reuse.n_cells()]));
+        Counts { counted, laid: self.reuse.as_ref().map(laid) }
+    }
+
+    /// Paths of all incident cells: walks from both sides and full paths from those asked for, where diffused light is reused.
     fn paths(&self, samples: u64) -> u64 {
-        samples * (self.options.sides.iter().count() * self.options.layout.n_incident()) as u64
+        let n_sides = self.options.sides.iter().count() as u64;
+        let each = match self.reuse {
+            None => n_sides * samples,
+            Some(_) => 2 * samples + n_sides * Reuse::paths(&(0..samples)).end,
+        };
+        each * self.options.layout.n_incident() as u64
     }
 
     /// Memory that a round may take, if that is too much.
-    fn gib_after(&self, counted: &[Counted<S>], round: &Range<u64>) -> Option<f64> {
-        let most =
-            (self.options.samples.min(round.end - round.start)).min(self.options.layout.n_exitant() as u64);
-        let have = || counted.iter().flat_map(|c| &c.rows).flatten();
+    fn gib_after(&self, counts: &Counts<S>, round: &Range<u64>) -> Option<f64> {
+        let rows = || counts.counted.iter().flat_map(|c| c.rows.iter().chain(&c.diffused)).flatten();
         // A round can hold as much again as what there is.
         let exits = match round.start {
-            0 => self.paths(most),
-            _ => 2 * have().map(|row| row.len() as u64).sum::<u64>(),
+            0 => self.paths(round.end.min(self.options.layout.n_exitant() as u64)),
+            _ => 2 * rows().map(|row| row.len() as u64).sum::<u64>(),
         };
         let bytes = exits * size_of::<Exit<S>>() as u64;
         (bytes > MAX_BYTES).then(|| bytes as f64 / (1u64 << 30) as f64)
@@ -275,36 +296,105 @@ impl<'a, S: Spectrum> Generator<'a, S> {
     }
 
     /// Follows a round of paths from every incident cell and adds them to what was counted; returns how many were lost.
-    fn count(&self, counted: &mut [Counted<S>], round: Range<u64>) -> Result<u64, GenerateError> {
+    fn count(&self, counts: &mut Counts<S>, round: Range<u64>) -> Result<u64, GenerateError> {
         let total = match self.options.tolerance.is_some() || self.options.time_budget.is_some() {
             true => round.end,
             false => self.options.samples,
         };
         self.progress.begin(self.paths(total), self.paths(round.start));
-        let n_exitant = self.options.layout.n_exitant();
+        match (&self.reuse, &mut counts.laid) {
+            (Some(reuse), Some(laid)) => self.count_reused(reuse, &mut counts.counted, laid, &round),
+            _ => self.count_paths(&mut counts.counted, &round),
+        }
+    }
+
+    fn tallies(&self) -> [Tally<S>; 2] {
+        [(); 2].map(|()| Tally::new(self.options.layout.n_exitant()))
+    }
+
+    fn count_paths(&self, counted: &mut [Counted<S>], round: &Range<u64>) -> Result<u64, GenerateError> {
         let mut lost = 0;
-        for Counted { side, rows: [reflected, transmitted] } in counted {
-            lost += reflected
-                .par_iter_mut()
-                .zip(transmitted)
-                .enumerate()
+        for Counted { side, rows: [reflected, transmitted], .. } in counted {
+            let cells = reflected.par_iter_mut().zip(transmitted).enumerate();
+            lost += cells
                 .map_init(
-                    || [(); 2].map(|()| Tally::new(n_exitant)),
+                    || self.tallies(),
                     |tallies, (cell, rows)| {
-                        if self.progress.is_cancelled() {
-                            return Err(GenerateError::Cancelled);
-                        }
+                        self.check_cancelled()?;
                         let lost = self.count_cell(*side, cell, round.clone(), tallies);
                         self.progress.add(round.end - round.start);
-                        for (row, tally) in [rows.0, rows.1].into_iter().zip(tallies) {
-                            *row = added(std::mem::take(row), tally.drain());
-                        }
-                        Ok(lost)
+                        drain([rows.0, rows.1], tallies);
+                        Ok::<_, GenerateError>(lost)
                     },
                 )
                 .try_reduce(|| 0, |a, b| Ok(a + b))?;
         }
         Ok(lost)
+    }
+
+    /// As [`count_paths`](Self::count_paths), of walks that are never diffused, and of full paths that are.
+    fn count_reused(
+        &self,
+        reuse: &Reuse,
+        counted: &mut [Counted<S>],
+        laid: &mut [SideRows; 2],
+        round: &Range<u64>,
+    ) -> Result<u64, GenerateError> {
+        let walker = reuse.walker(&self.scene, self.tile.as_ref(), &self.options.layout, self.options.seed);
+        // Incident cells in one cell of the model.
+        let group = self.options.layout.n_incident() / reuse.n_cells();
+        let mut lost = 0;
+        for (side, [first, second]) in [Side::Front, Side::Back].into_iter().zip(laid) {
+            // Light from a side that is not asked for is wanted only for where it is laid down.
+            let mut unwanted = self.nothing_of(side);
+            let wanted = counted.iter_mut().find(|c| c.side == side);
+            let keep = wanted.is_some();
+            let Counted { rows: [reflected, transmitted], diffused: [r, t], .. } =
+                wanted.unwrap_or(&mut unwanted);
+            let rows = reflected.par_chunks_mut(group).zip(transmitted.par_chunks_mut(group));
+            let diffused = r.par_chunks_mut(group).zip(t.par_chunks_mut(group));
+            let halves = first.par_iter_mut().zip(second);
+            lost += rows
+                .zip(diffused)
+                .zip(halves)
+                .enumerate()
+                .map_init(
+                    || (self.tallies(), reuse.deposits()),
+                    |(tallies, deposits), (block, ((rows, diffused), halves))| {
+                        self.check_cancelled()?;
+                        let mut lost = 0;
+                        for k in 0..group {
+                            let cell = block * group + k;
+                            lost += walker.count_walks(side, cell, round, tallies, deposits);
+                            let mut done = round.end - round.start;
+                            if keep {
+                                drain([&mut rows.0[k], &mut rows.1[k]], tallies);
+                                lost += walker.count_diffused(side, cell, round, tallies);
+                                drain([&mut diffused.0[k], &mut diffused.1[k]], tallies);
+                                done += Reuse::paths(round).count() as u64;
+                            } else {
+                                tallies.iter_mut().for_each(|tally| drop(tally.drain()));
+                            }
+                            self.progress.add(done);
+                        }
+                        for (row, deposits) in [halves.0, halves.1].into_iter().zip(deposits) {
+                            mean_of(row, round.start, &deposits.drain(), round.end - round.start);
+                        }
+                        Ok::<_, GenerateError>(lost)
+                    },
+                )
+                .try_reduce(|| 0, |a, b| Ok(a + b))?;
+        }
+        Ok(lost)
+    }
+
+    fn nothing_of(&self, side: Side) -> Counted<S> {
+        let empty = || [(); 2].map(|()| vec![Row::new(); self.options.layout.n_incident()]);
+        Counted { side, rows: empty(), diffused: empty() }
+    }
+
+    fn check_cancelled(&self) -> Result<(), GenerateError> {
+        if self.progress.is_cancelled() { Err(GenerateError::Cancelled) } else { Ok(()) }
     }
 
     fn count_cell(
@@ -350,14 +440,28 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         lost
     }
 
-    fn estimated(&self, counted: &[Counted<S>], samples: u64) -> Result<Estimated, GenerateError> {
+    fn estimated(&self, counts: &Counts<S>, samples: u64) -> Result<Estimated, GenerateError> {
+        let (tile, seed) = (self.tile.as_ref(), self.options.seed);
+        let model = self.reuse.as_ref().zip(counts.laid.as_ref()).map(|(reuse, laid)| {
+            let walker = reuse.walker(&self.scene, tile, &self.options.layout, seed);
+            reuse.model(&walker, laid, samples)
+        });
         let estimator = Estimator {
             options: self.options,
+            model,
+            n_diffused: Reuse::paths(&(0..samples)).end as f64,
             reciprocity: self.reciprocity,
             xyz: self.xyz,
             n: samples as f64,
         };
-        estimator.estimated(counted, Bsdf { header: self.header(), ..Bsdf::default() })
+        estimator.estimated(&counts.counted, Bsdf { header: self.header(), ..Bsdf::default() })
+    }
+}
+
+/// Moves counts to the rows they belong to.
+fn drain<S: Spectrum>(rows: [&mut Row<S>; 2], tallies: &mut [Tally<S>; 2]) {
+    for (row, tally) in rows.into_iter().zip(tallies) {
+        *row = added(std::mem::take(row), tally.drain());
     }
 }
 

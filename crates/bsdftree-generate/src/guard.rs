@@ -32,10 +32,11 @@ pub(crate) fn guarded<S: Spectrum>(
     tolerance: f64,
 ) -> (Kept, Vec<f64>) {
     let (root, members) = reducer.root();
-    let limits = limits(reducer, &members, headroom, tolerance);
+    let limits = limits(reducer, &members, totals, headroom, tolerance);
     let mut leaves = Vec::new();
     let shape = flattened(reducer, kept, root, &members, &mut leaves);
     let mut sums: Vec<f64> = totals.iter().map(|total| -total).collect();
+    sums.iter_mut().enumerate().for_each(|(row, sum)| *sum += reducer.modelled_sum(row as u32, &root));
     members.iter().for_each(|&member| sums[member[0] as usize] += reducer.sums(member).0);
     leaves.iter().for_each(|leaf| leaf.contributions(reducer, |row, d| sums[row as usize] += d));
     for _ in 0..MAX_ROUNDS {
@@ -68,18 +69,20 @@ pub(crate) fn guarded<S: Spectrum>(
 fn limits<S: Spectrum>(
     reducer: &Reducer<'_, S>,
     members: &[Member],
+    totals: &[f64],
     headroom: &[f64],
     tolerance: f64,
 ) -> Vec<[f64; 2]> {
-    let floor = tolerance * LEAST_TOTAL;
-    let mut limits = vec![[floor; 2]; headroom.len()];
+    let mut limits: Vec<f64> = totals.iter().map(|total| tolerance * total.max(LEAST_TOTAL)).collect();
     for &member in members {
-        let row = member[0] as usize;
-        let noise = ERRORS * reducer.variance(member).sqrt();
-        let limit = (tolerance * reducer.sums(member).0).max(noise).max(floor);
-        limits[row] = [limit.min(0.5 * headroom[row].max(0.0) + EXCESS), limit];
+        let limit = &mut limits[member[0] as usize];
+        *limit = limit.max(ERRORS * reducer.variance(member).sqrt());
     }
     limits
+        .iter()
+        .zip(headroom)
+        .map(|(limit, room)| [limit.min(0.5 * room.max(0.0) + EXCESS), *limit])
+        .collect()
 }
 
 /// A leaf of the tree with the counts that fell into it.
@@ -101,14 +104,14 @@ enum Shape {
 impl Leaf {
     /// Calls `f` for each incident cell with how much more light the leaf gives it than was counted.
     fn contributions<S: Spectrum>(&self, reducer: &Reducer<'_, S>, mut f: impl FnMut(u32, f64)) {
-        if self.value == 0.0 && self.members.is_empty() {
+        if self.value == 0.0 && self.members.is_empty() && reducer.modelled(&self.region).value == 0.0 {
             return;
         }
         let given = self.value * reducer.omega * self.region.n_exit as f64;
         let mut members = self.members.iter().peekable();
         for row in self.region.first_row..self.region.first_row + self.region.n_rows {
             let counted = members.next_if(|m| m[0] == row).map_or(0.0, |&m| reducer.sums(m).0);
-            f(row, given - counted);
+            f(row, given - counted - reducer.modelled_sum(row, &self.region));
         }
     }
 }
@@ -159,7 +162,7 @@ fn leaves_to_split<S: Spectrum>(
         parts: Vec<(u32, f64)>,
     }
     let candidate = |(index, leaf): (usize, &Leaf)| {
-        if leaf.split.is_some() || leaf.region.level == reducer.log2_res || leaf.members.is_empty() {
+        if leaf.split.is_some() || reducer.is_whole(&leaf.region, &leaf.members) {
             return None;
         }
         let mut parts = Vec::new();

@@ -23,16 +23,17 @@ pub mod bvh;
 pub mod tile;
 pub mod path;
 pub mod layout;
-#[cfg_attr(not(test), allow(dead_code, unused_imports))]
-mod diffuse;
 pub mod tally;
+pub mod options;
+mod diffuse;
 mod reciprocity;
+mod pyramid;
 mod reduce;
 mod guard;
 mod errors;
+mod correction;
 pub mod schedule;
 pub mod progress;
-pub mod options;
 mod estimate;
 pub mod generate;
 

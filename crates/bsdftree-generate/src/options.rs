@@ -7,6 +7,9 @@ use bsdftree::bsdf::LengthUnit;
 
 use crate::layout::{Layout, MAX_LOG2_RES};
 
+/// A default at which pruning adds about 1 % to the error of the whole.
+const DETAIL: f64 = 0.1;
+
 /// The box that stands for the device \[m\]: rays enter through its front (z = max) or back (z = min), over its whole extent in x
 /// and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +55,9 @@ pub struct Options {
     /// Wrong light tolerated in the hemispherical reflectance or transmittance of any one incident direction, relative to
     /// it, or to 0.1 if it is less. Leaves are kept small enough for it.
     pub direction_tolerance: f64,
+    /// How small differences are kept, relative to the mean BSDF, where they are as large as a cell of a 2⁵ tree (smaller ones have to
+    /// be stronger); by default 0.1, or twice the tolerance if that is less.
+    pub detail: Option<f64>,
     /// Ends earlier, when this time is over.
     pub time_budget: Option<Duration>,
     /// Whether paths start from evenly spread points, or else from independent ones.
@@ -63,6 +69,9 @@ pub struct Options {
     /// Whether to average pairs travelled one way with the same pairs travelled the other way; by default, in rank-4 trees of
     /// devices whose materials are reciprocal.
     pub reciprocity: Option<bool>,
+    /// Whether light that is diffused is followed to and from patches of surface, and only corrected by full paths; rank-4
+    /// trees only.
+    pub reuse: bool,
     /// Whether to merge cells that differ only by noise; trees only.
     pub pruned: bool,
     /// The device's box; its bounding box by default.
@@ -85,11 +94,13 @@ impl Options {
             samples: 2000,
             tolerance: None,
             direction_tolerance: 0.05,
+            detail: None,
             time_budget: None,
             stratified: true,
             sides: Sides::Both,
             color: false,
             reciprocity: None,
+            reuse: true,
             pruned: true,
             aperture: None,
             tile: false,
@@ -99,10 +110,17 @@ impl Options {
         }
     }
 
+    pub(crate) fn detail(&self) -> f64 {
+        self.detail.unwrap_or_else(|| self.tolerance.map_or(DETAIL, |tolerance| DETAIL.min(2.0 * tolerance)))
+    }
+
     /// Says what is wrong with the options, if anything is.
     pub(crate) fn problem(&self) -> Option<String> {
         if self.samples == 0 || self.samples > u64::from(u32::MAX) {
             return Some(format!("{} samples per incident cell; expected 1 to 4294967295", self.samples));
+        }
+        if let Some(detail) = self.detail.filter(|d| !(d.is_finite() && *d >= 0.0)) {
+            return Some(format!("a detail of {detail}; expected 0 or more, e.g. 0.1"));
         }
         for (name, value) in
             [("tolerance", self.tolerance), ("tolerance of directions", Some(self.direction_tolerance))]

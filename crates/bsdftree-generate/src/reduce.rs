@@ -13,13 +13,15 @@
 
 use bsdftree::color::uv_from_xyz;
 use bsdftree::tree::{Rank, Slot, Tree, TreeBuilder, TreeError};
+use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::pyramid::Pyramid;
 use crate::scatter::Spectrum;
 use crate::tally::{Exit, Row};
 
 /// What a unit of noise costs beside a unit of spread. Measured: flat between 2 and 3, and 1.5 keeps noise as detail.
-const LAMBDA: f64 = 2.0;
+pub(crate) const LAMBDA: f64 = 2.0;
 
 /// Differences of u′ or v′ that are not kept: about one MacAdam step.
 const CHROMA_TOLERANCE: f64 = 0.001;
@@ -102,6 +104,12 @@ pub(crate) struct Reducer<'a, S> {
     pub pruned: bool,
     /// From sums to CIE X, Y, Z, where colour is asked for.
     pub xyz: Option<fn(S) -> [f64; 3]>,
+    /// What a leaf costs for being there: detail that is worth less is not kept \[1/sr²\].
+    pub price: f64,
+    /// A part of the BSDF that is not in the rows.
+    pub model: Option<&'a Pyramid>,
+    /// Whether the tree is of what the rows have more than the model, instead of their sum.
+    pub residual: bool,
 }
 
 /// What is known of a region.
@@ -158,8 +166,50 @@ impl<S: Spectrum> Reducer<'_, S> {
         (q - t * t).max(0.0) / self.n
     }
 
+    /// Whether the model may differ within a region.
+    fn has_detail(&self, region: &Region) -> bool {
+        !self.residual && self.model.is_some_and(|model| region.level < model.log2())
+    }
+
+    /// Whether nothing is known of parts of a region.
+    pub fn is_whole(&self, region: &Region, members: &[Member]) -> bool {
+        region.level == self.log2_res || (members.is_empty() && !self.has_detail(region))
+    }
+
+    /// Where a region, or the model's block that holds it, lies in the model: level, incident and exitant block.
+    pub fn block(&self, model: &Pyramid, region: &Region) -> (u32, u32, u64) {
+        let level = region.level.min(model.log2());
+        let bits = 2 * (self.log2_res - level);
+        (level, region.first_row >> bits, region.first_exit >> bits)
+    }
+
+    /// What the model says of a region, with its variance.
+    pub fn modelled(&self, region: &Region) -> Moments {
+        let Some(model) = self.model else { return Moments { value: 0.0, variance: 0.0 } };
+        let (level, i, o) = self.block(model, region);
+        Moments { value: model.mean(level, i, o), variance: model.variance(level, i, o) }
+    }
+
+    /// Light that the model sends from one incident cell into the exitant cells of a region.
+    pub fn modelled_sum(&self, row: u32, region: &Region) -> f64 {
+        let Some(model) = self.model else { return 0.0 };
+        let (level, _, o) = self.block(model, region);
+        let row = row >> (2 * (self.log2_res - model.log2()));
+        model.row(level, row, o) * self.omega * region.n_exit as f64
+    }
+
     /// Estimate of a region and its variance; `weight` is the mean weight of the parent's paths.
     pub fn moments(&self, region: &Region, members: &[Member], weight: f64) -> Moments {
+        let (counted, modelled) = (self.counted(region, members, weight), self.modelled(region));
+        let sign = if self.residual { -1.0 } else { 1.0 };
+        Moments {
+            value: counted.value + sign * modelled.value,
+            variance: counted.variance + modelled.variance,
+        }
+    }
+
+    /// As [`Reducer::moments`], of the rows alone.
+    fn counted(&self, region: &Region, members: &[Member], weight: f64) -> Moments {
         let scale = 1.0 / (self.omega * region.size());
         if members.is_empty() {
             return Moments { value: 0.0, variance: (weight * scale / self.n).powi(2) };
@@ -187,9 +237,15 @@ impl<S: Spectrum> Reducer<'_, S> {
         region.first_exit + region.n_exit - 1 == last_row
     }
 
-    fn leaf(&self, value: f64, members: &[Member]) -> Kept {
+    fn leaf(&self, value: f64, region: &Region, members: &[Member]) -> Kept {
         let mut total = [0.0; 3];
         if let Some(xyz) = self.xyz {
+            if let Some(model) = self.model {
+                let (level, i, o) = self.block(model, region);
+                let mut rgb = model.channels(level, i, o);
+                let rgb = DVec3::from_array([(); 3].map(|()| rgb.next().unwrap_or(0.0)));
+                total = xyz(S::from_rgb(rgb)).map(|c| c * self.n * self.omega * region.size());
+            }
             for exit in members.iter().flat_map(|&m| self.exits(m)) {
                 let add = xyz(exit.sum);
                 total = [0, 1, 2].map(|k| total[k] + add[k]);
@@ -202,20 +258,20 @@ impl<S: Spectrum> Reducer<'_, S> {
     fn decide(&self, region: Region, members: &[Member], weight: f64) -> Estimate {
         let size = region.size();
         if size == 0.0 {
-            return Estimate { kept: self.leaf(0.0, members), cost: 0.0, squares: 0.0 };
+            return Estimate { kept: self.leaf(0.0, &region, members), cost: 0.0, squares: 0.0 };
         }
         let Moments { value, variance } = self.moments(&region, members, weight);
-        if members.is_empty() || region.level == self.log2_res {
+        if self.is_whole(&region, members) {
             return Estimate {
-                kept: self.leaf(value, members),
-                cost: LAMBDA * size * variance,
+                kept: self.leaf(value, &region, members),
+                cost: LAMBDA * size * variance + self.price,
                 squares: size * value * value,
             };
         }
         let split = self.split(region, members);
-        let merged = (split.squares - size * value * value).max(0.0) + LAMBDA * size * variance;
+        let merged = (split.squares - size * value * value).max(0.0) + LAMBDA * size * variance + self.price;
         if self.pruned && merged <= split.cost {
-            Estimate { kept: self.leaf(value, members), cost: merged, squares: split.squares }
+            Estimate { kept: self.leaf(value, &region, members), cost: merged, squares: split.squares }
         } else {
             split
         }

@@ -142,7 +142,7 @@ pub struct Generation {
 
 /// Starts a generation; `aperture` is in `unit`. Of `klems` and (`rank`, `log2_res`) exactly one is given.
 #[pyfunction]
-#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, time_budget, stratified, sides, color, reciprocity, pruned, aperture, tile, unit, seed, threads))]
+#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, detail, time_budget, stratified, sides, color, reciprocity, reuse, pruned, aperture, tile, unit, seed, threads))]
 #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
 pub fn generate(
     device: &Device,
@@ -153,11 +153,13 @@ pub fn generate(
     samples: u64,
     tolerance: Option<f64>,
     direction_tolerance: f64,
+    detail: Option<f64>,
     time_budget: Option<f64>,
     stratified: bool,
     sides: &str,
     color: bool,
     reciprocity: Option<bool>,
+    reuse: bool,
     pruned: bool,
     aperture: Option<[[f64; 3]; 2]>,
     tile: bool,
@@ -188,11 +190,13 @@ pub fn generate(
         samples,
         tolerance,
         direction_tolerance,
+        detail,
         time_budget,
         stratified,
         sides,
         color,
         reciprocity,
+        reuse,
         pruned,
         aperture,
         tile,

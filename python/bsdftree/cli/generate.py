@@ -83,6 +83,13 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     metavar="E",
     help="Tolerated error of the hemispherical total of any one incident direction, relative to it or to 0.1.",
 )
+@click.option(
+    "--detail",
+    type=float,
+    metavar="D",
+    help="How small differences are kept, relative to the mean BSDF; less gives more values. "
+    "[default: 0.1, or twice the tolerance if that is less]",
+)
 @click.option("--time-budget", type=float, metavar="SECONDS", help="Stop when this time is over.")
 @click.option(
     "--sampling",
@@ -104,6 +111,7 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     default=None,
     help="Average pairs of directions with the same pairs swapped. [default: where all materials are reciprocal; not rank 3]",
 )
+@click.option("--no-reuse", is_flag=True, help="Follow each path alone, also where diffuse surfaces let paths be shared.")
 @click.option("--no-prune", is_flag=True, help="Keep cells of a tree that differ only by noise.")
 @click.option(
     "--dim",
@@ -146,11 +154,13 @@ def generate(
     samples: int | None,
     tolerance: float | None,
     direction_tolerance: float,
+    detail: float | None,
     time_budget: float | None,
     sampling: str,
     sides: str,
     color: bool,
     reciprocity: bool | None,
+    no_reuse: bool,
     no_prune: bool,
     dim: tuple[float, ...] | None,
     tile: bool,
@@ -193,11 +203,13 @@ def generate(
             samples=samples,
             tolerance=tolerance,
             direction_tolerance=direction_tolerance,
+            detail=detail,
             time_budget=time_budget,
             sampling=sampling,  # type: ignore[arg-type]
             sides=sides,  # type: ignore[arg-type]
             color=color,
             reciprocity=reciprocity,
+            reuse=not no_reuse,
             prune=not no_prune,
             dim=dim,
             tile=tile,

@@ -30,13 +30,21 @@ mod model;
 mod partition;
 mod pilot;
 mod points;
+mod residual;
+mod reuse;
 mod sites;
 mod spread;
 mod walk;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use deposit::{Deposits, Row, Walker};
-pub(crate) use entrance::Entrance;
-pub(crate) use model::{MAX_LOG2, Model, SideRows, model_layout};
-pub(crate) use sites::{Fineness, Sites};
+pub(crate) use deposit::Row as Laid;
+pub(crate) use model::{Model, SideRows};
+pub(crate) use reuse::{Reuse, mean_of};
+#[cfg(test)]
+use {
+    deposit::{Deposits, Row, Walker},
+    entrance::Entrance,
+    model::{MAX_LOG2, model_layout},
+    sites::{Fineness, Sites},
+};

@@ -19,6 +19,8 @@ pub(crate) type SideRows = [Vec<Row>; 2];
 
 /// Everything known of light that is diffused, one side or both.
 pub(crate) struct Model<S> {
+    /// log2 of the cells per axis, of trees.
+    log2: u32,
     /// Incident cells of a side.
     n_cells: usize,
     n_sites: usize,
@@ -59,6 +61,7 @@ impl<S: Spectrum> Model<S> {
         });
         let n_cells = layout.n_incident();
         Model {
+            log2: n_cells.ilog2() / 2,
             n_cells,
             n_sites,
             reversed: (0..n_cells).map(|cell| layout.reversed(cell)).collect(),
@@ -68,6 +71,11 @@ impl<S: Spectrum> Model<S> {
                 .map(|s| walker.entrance.area() / (std::f64::consts::PI * walker.sites.area(s)))
                 .collect(),
         }
+    }
+
+    /// log2 of the cells per axis of a tree's model.
+    pub fn log2(&self) -> u32 {
+        self.log2
     }
 
     /// f of a part \[1/sr\], incident cell by incident cell, from light sent in one replicate and returned in the other, both ways

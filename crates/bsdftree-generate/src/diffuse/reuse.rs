@@ -1,0 +1,144 @@
+//! Rounds of walks and of full paths, and the model that follows from them.
+//!
+//! In: rounds of path numbers per incident cell. Out: exits of walks that were never diffused, exits of full paths that were, and
+//! what walks laid down at sites, kept for cells of the model: of trees finer than it, for the incident cells in one of its cells
+//! together. Replicates are split in two halves for the model's two estimates.
+
+use std::ops::Range;
+
+use bsdftree::Side;
+use bsdftree_device::Device;
+
+use super::deposit::{Deposits, Row as Laid, Walker};
+use super::entrance::Entrance;
+use super::model::{Model, SideRows, model_layout};
+use super::sites::{Fineness, Sites};
+use crate::layout::Layout;
+use crate::options::Aperture;
+use crate::options::Options;
+use crate::path::Scene;
+use crate::random::N_REPLICATES;
+use crate::scatter::Spectrum;
+use crate::tally::Tally;
+use crate::tile::Tile;
+
+/// Walks per full path. Few are needed: what they say is averaged over as many directions as agree.
+const WALKS_PER_PATH: u64 = 8;
+
+/// Walks between sites per walk from an incident cell, within these limits.
+const EXCHANGE: u64 = 4;
+const EXCHANGE_LIMITS: [u64; 2] = [512, 8192];
+
+/// What a device needs for its diffused light to be followed from both ends.
+pub(crate) struct Reuse {
+    sites: Sites,
+    entrance: Entrance,
+    /// Cells of the model.
+    layout: Layout,
+}
+
+impl Reuse {
+    /// `None` if nothing is diffuse, or the layout is no rank-4 tree.
+    pub fn new<S: Spectrum>(
+        scene: &Scene<S>,
+        device: &Device,
+        options: &Options,
+        aperture: &Aperture,
+        tile: Option<&Tile>,
+    ) -> Option<Reuse> {
+        let Layout::Tree { .. } = options.layout else { return None };
+        let layout = model_layout(&options.layout)?;
+        let sites = Sites::build(scene, device, aperture, tile, Fineness::default(), options.seed)?;
+        Some(Reuse { sites, entrance: Entrance::new(device, aperture, tile), layout })
+    }
+
+    /// Numbers of the full paths that belong to a round of walks.
+    pub fn paths(round: &Range<u64>) -> Range<u64> {
+        round.start.div_ceil(WALKS_PER_PATH)..round.end.div_ceil(WALKS_PER_PATH)
+    }
+
+    /// Cells of the model of each side.
+    pub fn n_cells(&self) -> usize {
+        self.layout.n_incident()
+    }
+
+    pub fn walker<'a, S>(
+        &'a self,
+        scene: &'a Scene<S>,
+        tile: Option<&'a Tile>,
+        layout: &'a Layout,
+        seed: u64,
+    ) -> Walker<'a, S> {
+        Walker { scene, sites: &self.sites, entrance: &self.entrance, tile, layout, seed }
+    }
+
+    pub fn deposits<S: Spectrum>(&self) -> [Deposits<S>; 2] {
+        [Deposits::new(&self.sites), Deposits::new(&self.sites)]
+    }
+
+    /// The model of what was laid down by `samples` walks from each incident cell.
+    pub fn model<S: Spectrum>(&self, walker: &Walker<'_, S>, rows: &[SideRows; 2], samples: u64) -> Model<S> {
+        let walks = (samples * EXCHANGE).clamp(EXCHANGE_LIMITS[0], EXCHANGE_LIMITS[1]);
+        Model::new(walker, &self.layout, rows.each_ref().map(|side| Some(side.clone())), walks)
+    }
+}
+
+impl<S: Spectrum> Walker<'_, S> {
+    /// A round of walks from an incident cell: counted in reflected and transmitted exits, laid down in halves of the replicates.
+    /// Returns how many did not end.
+    pub fn count_walks(
+        &self,
+        side: Side,
+        cell: usize,
+        round: &Range<u64>,
+        [reflected, transmitted]: &mut [Tally<S>; 2],
+        deposits: &mut [Deposits<S>; 2],
+    ) -> u64 {
+        let n = N_REPLICATES as u64;
+        let mut lost = 0;
+        for replicate in 0..N_REPLICATES {
+            let number = |sample: u64| (sample + n - 1 - replicate as u64) / n;
+            let walks = number(round.start)..number(round.end);
+            if walks.is_empty() {
+                continue;
+            }
+            let half = &mut deposits[2 * replicate / N_REPLICATES];
+            lost += self.walk_cell(side, cell, walks, replicate, half, |disk, exitant, weight| {
+                let tally =
+                    if Side::of(exitant.to_array()) == side { &mut *reflected } else { &mut *transmitted };
+                tally.add(self.layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
+            });
+        }
+        lost
+    }
+
+    /// The full paths of a round, counted.
+    pub fn count_diffused(
+        &self,
+        side: Side,
+        cell: usize,
+        round: &Range<u64>,
+        [reflected, transmitted]: &mut [Tally<S>; 2],
+    ) -> u64 {
+        self.follow_diffused(side, cell, Reuse::paths(round), |path, disk, exitant, weight| {
+            let tally =
+                if Side::of(exitant.to_array()) == side { &mut *reflected } else { &mut *transmitted };
+            let replicate = (path % N_REPLICATES as u64) as usize;
+            tally.add(self.layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
+        })
+    }
+}
+
+/// Means of `before` walks and of `more` walks after them as means of all.
+pub(crate) fn mean_of(row: &mut Laid, before: u64, new: &Laid, more: u64) {
+    if row.sent.is_empty() {
+        row.clone_from(new);
+        return;
+    }
+    let share = more as f32 / (before + more) as f32;
+    let mix = |old: &mut Vec<f32>, new: &[f32]| {
+        old.iter_mut().zip(new).for_each(|(old, new)| *old += share * (new - *old));
+    };
+    mix(&mut row.sent, &new.sent);
+    mix(&mut row.arrived, &new.arrived);
+}

@@ -1,0 +1,178 @@
+//! A dense model of a BSDF at every level of a tree: its mean in each block, and the variance of that.
+//!
+//! In: two independent estimates for all pairs of a 2^log2 grid, cells in Morton order. Half their difference is normal with the
+//! variance of their mean; blocks of half differences give the variance of blocks, correlations included. Siblings are about
+//! equally noisy, so the variance of a block is the mean over it and its 15 siblings.
+
+use rayon::prelude::*;
+
+/// Blocks of one level: 4^level × 4^level of them, incident block by incident block.
+struct Level {
+    mean: Vec<f32>,
+    variance: Vec<f32>,
+}
+
+/// The model of one component.
+pub(crate) struct Pyramid {
+    levels: Vec<Level>,
+    /// For each level of exitant blocks, their means for each single incident cell.
+    rows: Vec<Vec<f32>>,
+    /// Means of the channels that luminance is made of, by level.
+    channels: Vec<Vec<Vec<f32>>>,
+    /// Of each channel, the luminance of one.
+    luminances: Vec<f64>,
+}
+
+impl Pyramid {
+    /// From the two estimates of each channel, with the luminance that a channel's 1 has.
+    pub fn new(log2: u32, estimates: Vec<[Vec<f32>; 2]>, luminances: Vec<f64>) -> Pyramid {
+        let n = 1usize << (2 * log2);
+        let mut mean = vec![0.0f32; n * n];
+        let mut half = vec![0.0f32; n * n];
+        let mut channels = Vec::new();
+        for ([a, b], luminance) in estimates.into_iter().zip(&luminances) {
+            let y = *luminance as f32;
+            mean.par_iter_mut().zip(&a).zip(&b).for_each(|((m, a), b)| *m += 0.5 * y * (a + b));
+            half.par_iter_mut().zip(&a).zip(&b).for_each(|((h, a), b)| *h += 0.5 * y * (a - b));
+            if luminances.len() > 1 {
+                channels.push(a.into_iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect::<Vec<_>>());
+            }
+        }
+        let mut rows = vec![mean.clone()];
+        for level in (0..log2).rev() {
+            rows.push(pooled_exits(rows.last().expect("the finest"), 1 << (2 * level)));
+        }
+        rows.reverse();
+        let means = coarser(mean, log2);
+        let channels = channels.into_iter().map(|channel| coarser(channel, log2)).collect();
+        let variances =
+            coarser(half, log2).into_iter().enumerate().map(|(level, half)| among_siblings(level, half));
+        let levels =
+            means.into_iter().zip(variances).map(|(mean, variance)| Level { mean, variance }).collect();
+        Pyramid { levels, rows, channels, luminances }
+    }
+
+    /// Level of the finest blocks.
+    pub fn log2(&self) -> u32 {
+        self.levels.len() as u32 - 1
+    }
+
+    /// Finest incident cells.
+    pub fn n_cells(&self) -> usize {
+        1 << (2 * self.log2())
+    }
+
+    /// Mean over a block.
+    pub fn mean(&self, level: u32, incident: u32, exitant: u64) -> f64 {
+        f64::from(self.levels[level as usize].mean[index(level, incident, exitant)])
+    }
+
+    /// Variance of the mean over a block.
+    pub fn variance(&self, level: u32, incident: u32, exitant: u64) -> f64 {
+        f64::from(self.levels[level as usize].variance[index(level, incident, exitant)])
+    }
+
+    /// Mean over an exitant block for one finest incident cell.
+    pub fn row(&self, level: u32, incident: u32, exitant: u64) -> f64 {
+        f64::from(self.rows[level as usize][index(level, incident, exitant)])
+    }
+
+    /// Mean of each channel over a block.
+    pub fn channels(&self, level: u32, incident: u32, exitant: u64) -> impl Iterator<Item = f64> {
+        let at = index(level, incident, exitant);
+        let one = self.luminances.len() == 1;
+        let mean = &self.levels[level as usize].mean;
+        let single = one.then(|| f64::from(mean[at]) / self.luminances[0]);
+        single.into_iter().chain(self.channels.iter().map(move |c| f64::from(c[level as usize][at])))
+    }
+}
+
+fn index(level: u32, incident: u32, exitant: u64) -> usize {
+    ((incident as usize) << (2 * level)) + exitant as usize
+}
+
+/// A grid of the finest level, and its means over blocks at all levels from the coarsest on.
+fn coarser(finest: Vec<f32>, log2: u32) -> Vec<Vec<f32>> {
+    let mut levels = vec![finest];
+    for level in (0..log2).rev() {
+        let n = 1usize << (2 * level);
+        let fine = levels.last().expect("the finest");
+        let mut mean = vec![0.0; n * n];
+        mean.par_chunks_mut(n).zip(fine.par_chunks(16 * n)).for_each(|(out, rows)| {
+            for (o, out) in out.iter_mut().enumerate() {
+                let row = |i: usize| -> f32 { rows[i * 4 * n + 4 * o..][..4].iter().sum() };
+                *out = (0..4).map(row).sum::<f32>() / 16.0;
+            }
+        });
+        levels.push(mean);
+    }
+    levels.reverse();
+    levels
+}
+
+/// Means over fours of exitant cells, of which `n` come.
+fn pooled_exits(fine: &[f32], n: usize) -> Vec<f32> {
+    let mut mean = vec![0.0; fine.len() / 4];
+    mean.par_chunks_mut(n).zip(fine.par_chunks(4 * n)).for_each(|(out, row)| {
+        out.iter_mut().zip(row.chunks_exact(4)).for_each(|(out, four)| *out = four.iter().sum::<f32>() / 4.0);
+    });
+    mean
+}
+
+/// Squares, averaged over the 16 blocks of one parent.
+fn among_siblings(level: usize, half: Vec<f32>) -> Vec<f32> {
+    if level == 0 {
+        return vec![half[0] * half[0]];
+    }
+    let n = 1usize << (2 * level);
+    let mut variance = vec![0.0; half.len()];
+    variance.par_chunks_mut(4 * n).zip(half.par_chunks(4 * n)).for_each(|(out, rows)| {
+        for first in (0..n).step_by(4) {
+            let cells = (0..4).flat_map(|i| (0..4).map(move |o| i * n + first + o));
+            let mean = cells.clone().map(|k| rows[k] * rows[k]).sum::<f32>() / 16.0;
+            cells.for_each(|k| out[k] = mean);
+        }
+    });
+    variance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 4 × 4 … cells, distinct values.
+    fn pyramid() -> (Vec<f32>, Pyramid) {
+        let n = 1usize << 4;
+        let a: Vec<f32> = (0..n * n).map(|k| (k * k % 97) as f32).collect();
+        let b: Vec<f32> = a.iter().map(|v| v + 2.0).collect();
+        (a.clone(), Pyramid::new(2, vec![[a, b]], vec![1.0]))
+    }
+
+    #[test]
+    fn blocks_are_means_of_their_cells() {
+        let (a, pyramid) = pyramid();
+        let mean = |rows: std::ops::Range<usize>, exits: std::ops::Range<usize>| {
+            let n = (rows.len() * exits.len()) as f64;
+            rows.flat_map(|i| exits.clone().map(move |o| i * 16 + o))
+                .map(|k| f64::from(a[k]) + 1.0)
+                .sum::<f64>()
+                / n
+        };
+        assert_eq!(pyramid.log2(), 2);
+        let near = |x: f64, y: f64| assert!((x - y).abs() < 1e-4, "{x} {y}");
+        near(pyramid.mean(0, 0, 0), mean(0..16, 0..16));
+        near(pyramid.mean(1, 2, 3), mean(8..12, 12..16));
+        near(pyramid.mean(2, 5, 9), mean(5..6, 9..10));
+        near(pyramid.row(0, 7, 0), mean(7..8, 0..16));
+        near(pyramid.row(1, 7, 2), mean(7..8, 8..12));
+        near(pyramid.channels(1, 2, 3).next().unwrap(), mean(8..12, 12..16));
+    }
+
+    #[test]
+    fn a_common_error_does_not_average_out() {
+        let (_, pyramid) = pyramid();
+        for level in 0..3 {
+            assert!((pyramid.variance(level, 0, 0) - 1.0).abs() < 1e-6);
+        }
+    }
+}
