@@ -3,7 +3,7 @@
 python benches/beside_embree.py            # needs cargo, g++ and Embree 3 (Debian: libembree-dev)
 
 Prints a table. Both run by turns, and the best of each counts. Embree decides in f32, so rays at edges may differ:
-by how many hits is printed. It has no quadrics: they are user geometry there (crates/bsdftree-generate/benches/embree/).
+by how many hits is printed. It has no quadrics: they are user geometry (crates/bsdftree-generate/benches/embree/).
 """
 
 import json
