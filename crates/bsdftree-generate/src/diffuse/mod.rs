@@ -20,6 +20,9 @@
 //! Two replicates P¹A², P²A¹ are independent in P and A, so that their mean is right on the diagonal too, and their
 //! difference tells the variance, K's included.
 //!
+//! Few sites do: with 20 to 60 of them blinds and grooves that repeat are wrong by 4e-4 of their light, all pairs of directions
+//! summed up. More sites are noisier: of n walks from each cell and m sites, the error of a pair of cells is about √m/n.
+//!
 //! Source: instant radiosity's reuse of vertices (A. Keller, SIGGRAPH 1997) and bidirectional path tracing; the projection onto
 //! patches is Galerkin radiosity's (H. Zatz, SIGGRAPH 1993). Deviation: directions at both ends, nothing in between is drawn.
 

@@ -108,12 +108,13 @@ fn translucent_plates() {
 }
 
 #[test]
-fn a_diffuser_inside_a_dielectric() {
-    // The tile goes on sideways for ever, so that the slab needs no edges. The medium absorbs.
-    let text = "void dielectric d 0 0 5 .3 .3 .3 1.5 0
+fn diffusers_inside_a_dielectric() {
+    // The tile goes on sideways for ever, so that the slab needs no edges. The medium absorbs, also between the two faces.
+    let text = "void dielectric d 0 0 5 .5 .5 .5 1.5 0
         d polygon top 0 0 12  0 0 0  1 0 0  1 1 0  0 1 0
-        void plastic white 0 0 5 .8 .8 .8 .04 0
-        white polygon bottom 0 0 12  0 0 -.2  1 0 -.2  1 1 -.2  0 1 -.2";
+        void plastic white 0 0 5 .9 .9 .9 .04 0
+        white polygon up 0 0 12  0 0 -.1  0 .5 -.7  1 .5 -.7  1 0 -.1
+        white polygon down 0 0 12  0 .5 -.7  0 1 -.1  1 1 -.1  1 .5 -.7";
     let mut device = rad(text);
     device.tile = device.bounds();
     agrees(&Setup::new(device, true, blocks()));

@@ -142,7 +142,7 @@ fn time_and_noise_at_2_to_6() {
             tile: tiled,
             ..crate::Options::new(tree(5))
         };
-        let (_, report) = crate::generate(&setup.device, &options, &crate::Progress::default()).unwrap();
+        let report = crate::generate(&setup.device, &options, &crate::Progress::default()).unwrap().report;
         println!(
             "plain: {:.2} M paths/s, {:.2?}",
             report.paths as f64 / report.tracing.as_secs_f64() * 1e-6,
