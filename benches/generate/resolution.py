@@ -25,7 +25,7 @@ from .process import Cost
 from .process import run as run_program
 from .tables import head, megabytes, row
 
-SAMPLES = 2000
+SAMPLES = 500
 DIRECTIONS = 1_000_000
 
 
@@ -69,7 +69,7 @@ def sweep(scene: Scene, resolutions: range, samples: int, work: Path) -> list[St
 
 def run(quick: bool, work: Path, picture: Path) -> None:
     """Measure, print, draw."""
-    resolutions, samples = (range(4, 7), SAMPLES // 10) if quick else (range(4, 9), SAMPLES)
+    resolutions, samples = (range(4, 7), SAMPLES // 4) if quick else (range(4, 9), SAMPLES)
     sweeps = {scene.name: sweep(scene, resolutions, samples, work) for scene in RESOLUTION}
     print("\n## Resolution")
     columns = (
