@@ -46,11 +46,12 @@ impl Layout {
 
     /// −incident.xy for a point of an incident cell, uniform in projected solid angle for uniform (u, v) in \[0, 1)².
     /// Rank 3 takes every azimuth: its BSDF is the mean over azimuth if the device is not isotropic.
+    #[inline]
     pub fn incident_disk(&self, cell: usize, u: f64, v: f64) -> [f64; 2] {
         match self {
             Layout::Tree { rank: Rank::Four, log2_res } => {
                 let [x, y] = cell_from_morton(cell as u32).map(f64::from);
-                let scale = 0.5f64.powi(*log2_res as i32);
+                let scale = 1.0 / f64::from(1u32 << log2_res);
                 disk_from_square([(x + u) * scale, (y + v) * scale])
             }
             Layout::Tree { rank: Rank::Three, log2_res } => {
@@ -138,6 +139,7 @@ pub fn morton_from_cell([x, y]: [u32; 2]) -> u32 {
 }
 
 /// The cell of a Morton number.
+#[inline]
 pub fn cell_from_morton(morton: u32) -> [u32; 2] {
     [gathered(morton), gathered(morton >> 1)]
 }

@@ -281,10 +281,12 @@ impl<S: Spectrum> Reducer<'_, S> {
     fn split(&self, region: Region, members: &[Member]) -> Estimate {
         let weight = self.weight(members);
         let decide = |(region, members): &(Region, Vec<Member>)| self.decide(*region, members, weight);
-        let parts = self.parts(region, members);
-        let children: Vec<_> = match region.level < 2 {
-            true => parts.par_iter().map(decide).collect(),
-            false => parts.iter().map(decide).collect(),
+        let children: Vec<_> = if members.is_empty() {
+            self.regions(region).map(|part| self.decide(part, &[], weight)).collect()
+        } else if region.level < 2 {
+            self.parts(region, members).par_iter().map(decide).collect()
+        } else {
+            self.parts(region, members).iter().map(decide).collect()
         };
         Estimate {
             cost: children.iter().map(|c| c.cost).sum(),
@@ -298,30 +300,44 @@ impl<S: Spectrum> Reducer<'_, S> {
         self.split(region, members).kept
     }
 
-    /// The children of a region in the order of a tree's children, with what lies in each.
-    pub fn parts(&self, region: Region, members: &[Member]) -> Vec<(Region, Vec<Member>)> {
-        let bits = match self.rank {
+    /// Rows of a child of a region.
+    fn rows_of_part(&self, region: &Region) -> u32 {
+        match self.rank {
+            // At the root of rank 3 all rows lie in the half d0 < ½.
+            Rank::Three if region.level == 0 => region.n_rows,
+            Rank::Three => region.n_rows / 2,
+            Rank::Four => region.n_rows / 4,
+        }
+    }
+
+    /// Bits of a child's number that tell its rows.
+    fn incident_bits(&self) -> u32 {
+        match self.rank {
             Rank::Three => 1,
             Rank::Four => 2,
-        };
-        let n_parts = 1u32 << bits;
-        let quarter = region.n_exit / 4;
-        // At the root of rank 3 all rows lie in the half d0 < ½.
-        let unused = self.rank == Rank::Three && region.level == 0;
-        let n_rows = if unused { region.n_rows } else { region.n_rows / n_parts };
-        let mut parts: Vec<_> = (0..4 * n_parts)
-            .map(|k| {
-                let (incident, exit) = (k & (n_parts - 1), k >> bits);
-                let part = Region {
-                    level: region.level + 1,
-                    first_row: region.first_row + incident * n_rows,
-                    n_rows: if unused && incident == 1 { 0 } else { n_rows },
-                    first_exit: region.first_exit + u64::from(exit) * quarter,
-                    n_exit: quarter,
-                };
-                (part, Vec::new())
-            })
-            .collect();
+        }
+    }
+
+    /// The children of a region in the order of a tree's children.
+    fn regions(&self, region: Region) -> impl Iterator<Item = Region> {
+        let (bits, n_rows, quarter) = (self.incident_bits(), self.rows_of_part(&region), region.n_exit / 4);
+        let half = self.rank == Rank::Three && region.level == 0;
+        (0..4u32 << bits).map(move |k| {
+            let (incident, exit) = (k & ((1 << bits) - 1), k >> bits);
+            Region {
+                level: region.level + 1,
+                first_row: region.first_row + incident * n_rows,
+                n_rows: if half && incident == 1 { 0 } else { n_rows },
+                first_exit: region.first_exit + u64::from(exit) * quarter,
+                n_exit: quarter,
+            }
+        })
+    }
+
+    /// As [`Reducer::regions`], with what lies in each.
+    pub fn parts(&self, region: Region, members: &[Member]) -> Vec<(Region, Vec<Member>)> {
+        let (bits, n_rows, quarter) = (self.incident_bits(), self.rows_of_part(&region), region.n_exit / 4);
+        let mut parts: Vec<_> = self.regions(region).map(|part| (part, Vec::new())).collect();
         for &member in members {
             let [row, from, _] = member;
             let incident = (row - region.first_row) / n_rows;

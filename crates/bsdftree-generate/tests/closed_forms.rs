@@ -258,9 +258,9 @@ fn pruning_and_reciprocity_keep_the_total_flux() {
     };
     let full = Options { samples: 300, pruned: false, sides: Sides::Front, ..tree(Rank::Four, 3) };
     let (expected, unpruned) = flux(&full);
-    let (pruned, tree) = flux(&Options { pruned: true, direction_tolerance: 1.0, ..full.clone() });
+    let (pruned, tree) = flux(&Options { pruned: true, detail: Some(1.0), direction_tolerance: 1.0, ..full.clone() });
     assert!((pruned - expected).abs() < 1e-6 * expected, "{pruned} {expected}");
-    assert!(tree.arena().n_leaves() < unpruned.arena().n_leaves() / 2);
+    assert!(tree.arena().n_leaves() < unpruned.arena().n_leaves() * 3 / 4);
     let (reciprocal, tree) = flux(&Options { pruned: false, reciprocity: Some(true), ..full });
     assert!((reciprocal - expected).abs() < 1e-6 * expected);
     let mut random = 1u64;
@@ -358,7 +358,7 @@ fn a_rough_metal_has_the_albedo_of_its_lobe() {
 #[test]
 fn merging_cells_keeps_the_light_of_every_direction() {
     let blinds = Device::from_spec("blinds:angle=30").unwrap();
-    let options = Options { samples: 1000, ..tree(Rank::Four, 4) };
+    let options = Options { samples: 1000, detail: Some(1.0), ..tree(Rank::Four, 4) };
     let (merged, full) =
         (run(&blinds, &options), run(&blinds, &Options { pruned: false, ..options.clone() }));
     for side in [bsdftree::Side::Front, bsdftree::Side::Back] {

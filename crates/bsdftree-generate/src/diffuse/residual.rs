@@ -11,11 +11,12 @@ use super::deposit::Walker;
 use super::walk::{Lobes, Meeting, walk};
 use crate::bvh::Ray;
 use crate::path::Outcome;
-use crate::random::Stratified;
+use crate::random::{Random, Stratified};
 use crate::scatter::{Spectrum, lambertian_direction};
 
 /// Keeps the random numbers of these paths apart from others of the same seed.
 const RESIDUAL: u64 = 0x72_6573_6964;
+const BEFORE: u64 = 0x62_6566_6f72;
 
 /// Where a path goes on: one of the meetings so far.
 struct Chosen<S> {
@@ -44,11 +45,11 @@ impl<S: Spectrum> Walker<'_, S> {
             let disk = self.layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
             let ray = self.entrance.through_aperture(side, direction, start.origin);
-            // The stream is the walk's; choices among meetings and the way on have their own numbers.
-            let mut random = start.random.clone();
+            // The even words go to the choice among meetings and to the way on; the walk before them has a stream of its own.
+            let mut before = Random::new(self.seed ^ BEFORE, stream, path);
             let mut chosen: Option<Chosen<S>> = None;
             let mut luminance = 0.0;
-            walk(self.scene, self.tile, Lobes::Specular, (ray, None), &mut random, |meeting| {
+            walk(self.scene, self.tile, Lobes::Specular, (ray, None), &mut before, |meeting| {
                 for side in 0..2 {
                     let sent = (meeting.arrived * meeting.albedo[side]).luminance();
                     if sent > 0.0 {
@@ -65,7 +66,7 @@ impl<S: Spectrum> Walker<'_, S> {
             });
             let Some(Chosen { ray, medium, weight }) = chosen else { continue };
             let weight = weight * (luminance / weight.luminance());
-            match walk(self.scene, self.tile, Lobes::All, (ray, medium), &mut random, |_| {}) {
+            match walk(self.scene, self.tile, Lobes::All, (ray, medium), &mut start.random, |_| {}) {
                 Outcome::Left(exitant, rest) => left(path, disk, exitant, weight * rest),
                 Outcome::Absorbed => {}
                 Outcome::Lost => lost += 1,
