@@ -148,7 +148,7 @@ def _tolerances(all_measured: Sequence[Measured]) -> None:
 
 
 def _reuse(all_measured: Sequence[Measured]) -> None:
-    pairs = [(name, name.removesuffix(", reuse")) for name in ours.available() if name.endswith(", reuse")]
+    pairs = [(name, name.partition(", reuse")[0]) for name in ours.available() if ", reuse" in name]
     if not pairs:
         return
     note = f"CPU seconds for the smallest L1 of the series without; best L1 within {BUDGET:g} CPU seconds."
@@ -161,7 +161,7 @@ def _reuse(all_measured: Sequence[Measured]) -> None:
             at = reached(b, "l1", best.errors.l1)
             within = [min((p.errors.l1 for p in points if p.cpu <= BUDGET), default=None) for points in (a, b)]
             cells = (best.errors.l1, best.cpu, f"{at.bound}{shown(at.cpu)}", at.times_less(best.cpu, "cpu"))
-            row(m.plan.name, without_name, *cells, *within)
+            row(m.plan.name, with_name, *cells, *within)
 
 
 def _all_points(all_measured: Sequence[Measured]) -> None:

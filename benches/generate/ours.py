@@ -30,6 +30,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "Sobol, reciprocity, no guard": SOBOL | {"reciprocity": True} | NO_GUARD,
     "Sobol, reuse": SOBOL | {"reuse": True},
     "Sobol, reciprocity, reuse": SOBOL | {"reciprocity": True, "reuse": True},
+    "Sobol, reciprocity, reuse, detail 0.01": SOBOL | {"reciprocity": True, "reuse": True, "detail": 0.01},
 }
 
 

@@ -1,9 +1,9 @@
 """What resolution costs: trees of 2^4 to 2^8 cells per axis, paths per incident cell alike.
 
-`noise` is the relative L1 difference of two trees of different seeds over √2, as if each were off by as much; `to
-2^8` is the difference of a tree to the finest one: noise of both and what the cells blur. Both are estimated from
-directions that the trees choose themselves (`errors.sampled_difference`), since a dense grid of 2^8 would have 4 ·
-10^9 cells.
+`its estimate` is what was reported. `noise` is the relative L1 difference of two trees of different seeds over √2, as
+if each were off by as much; `to 2^8` is the difference of a tree to the finest one: noise of both and what the cells
+blur. Both are estimated from directions that the trees choose themselves (`errors.sampled_difference`), since a dense
+grid of 2^8 would have 4 · 10^9 cells.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -36,16 +37,17 @@ class Step:
     reducing: float
     leaves: int
     bytes: int
+    estimated: float | None
     noise: float
     to_finest: float | None
 
 
-def generate(device: Path, log2_res: int, samples: int, seed: int, work: Path) -> tuple[Path, Cost, float]:
-    """A tree as the command line makes it by default; the file, its cost, wall time of the reduction [s]."""
+def generate(device: Path, log2_res: int, samples: int, seed: int, work: Path) -> tuple[Path, Cost, dict[str, Any]]:
+    """A tree as the command line makes it by default; the file, its cost, and what was said."""
     xml, summary = work / f"{device.stem}-{log2_res}-{seed}.xml", work / "resolution.json"
     command = [sys.executable, "-m", "bsdftree", "generate", device, "--sides", "front", "--log2-res", log2_res]
     cost = run_program([*command, "--samples", samples, "--seed", seed, "--json", "-o", xml], stdout=summary)
-    return xml, cost, json.loads(summary.read_text())["reducing_seconds"]
+    return xml, cost, json.loads(summary.read_text())
 
 
 def sweep(scene: Scene, resolutions: range, samples: int, work: Path) -> list[Step]:
@@ -56,12 +58,14 @@ def sweep(scene: Scene, resolutions: range, samples: int, work: Path) -> list[St
     for log2_res in reversed(resolutions):
         made = [generate(device, log2_res, samples, seed, work) for seed in (1, 2)]
         a, b = (bsdftree.load(xml) for xml, _, _ in made)
-        xml, cost, reducing = made[0]
+        xml, cost, said = made[0]
         noise = sampled_difference(a, b, DIRECTIONS, rng) / np.sqrt(2)
         # Of another seed than the finest.
         blur: float | None = None if finest is None else sampled_difference(b, finest, DIRECTIONS, rng)
         finest = a if finest is None else finest
-        steps.append(Step(log2_res, cost, reducing, n_leaves(a), xml.stat().st_size, noise, blur))
+        reducing, estimated = said["reducing_seconds"], said.get("error")
+        size = xml.stat().st_size
+        steps.append(Step(log2_res, cost, reducing, n_leaves(a), size, estimated, noise, blur))
         for path, _, _ in made:
             path.unlink()
     return steps[::-1]
@@ -79,6 +83,7 @@ def run(quick: bool, work: Path, picture: Path) -> None:
         ">peak MB",
         ">leaves",
         ">XML MB",
+        ">its estimate",
         ">noise",
         f">to 2^{resolutions[-1]}",
     )
@@ -86,8 +91,8 @@ def run(quick: bool, work: Path, picture: Path) -> None:
     head("Cells per axis", "device", ">N", *columns, note=note)
     for name, steps in sweeps.items():
         for s in steps:
-            memory, size = megabytes(s.cost.memory), megabytes(s.bytes)
-            row(name, s.log2_res, s.cost.wall, s.cost.cpu, s.reducing, memory, s.leaves, size, s.noise, s.to_finest)
+            memory, size, seen = megabytes(s.cost.memory), megabytes(s.bytes), (s.estimated, s.noise, s.to_finest)
+            row(name, s.log2_res, s.cost.wall, s.cost.cpu, s.reducing, memory, s.leaves, size, *seen)
     draw(sweeps, picture)
     print(f"\n![What resolution costs]({picture})")
 
@@ -106,6 +111,9 @@ def draw(sweeps: dict[str, list[Step]], picture: Path) -> None:
         for (name, steps), marker in zip(sweeps.items(), "os", strict=True):
             axis.plot([s.log2_res for s in steps], [value(s) for s in steps], marker=marker, label=name)
         axis.set_yscale("log")
+        # Whole decades, so that little change looks like little.
+        low, high = np.log10(axis.get_ylim())
+        axis.set_ylim(10 ** np.floor(low), 10 ** np.ceil(high))
         axis.set_xticks([s.log2_res for s in steps], [f"$2^{{{s.log2_res}}}$" for s in steps])
         axis.set_xlabel("cells per axis")
         axis.set_title(label, fontsize="medium")
