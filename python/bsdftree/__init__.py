@@ -16,7 +16,7 @@ from bsdftree._check import BandCheck, Energy, Finding, Reciprocity
 from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
-from bsdftree._generate import GenerationReport, generate
+from bsdftree._generate import GenerationReport, Resumed, generate
 from bsdftree._peaks import Peak, PeakFamily
 
 __all__ = [
@@ -32,6 +32,7 @@ __all__ = [
     "Peak",
     "PeakFamily",
     "Reciprocity",
+    "Resumed",
     "Sample",
     "Tree",
     "__version__",

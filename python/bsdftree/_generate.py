@@ -15,6 +15,28 @@ KlemsName = Literal["full", "half", "half73", "quarter"]
 
 
 @dataclass(frozen=True)
+class Resumed:
+    """Where a generation went on that had been interrupted, or was done and is to have more samples.
+
+    Attributes
+    ----------
+    samples
+        Paths per incident cell and side that had been counted in whole rounds.
+    round_end
+        Paths per incident cell and side at the end of the round that was interrupted; ``samples`` if none was.
+    share
+        The share of that round that had been counted, in 0..1.
+    dropped
+        What had been written but is not whole, and is counted again [byte].
+    """
+
+    samples: int
+    round_end: int
+    share: float
+    dropped: int
+
+
+@dataclass(frozen=True)
 class GenerationReport:
     """What a generation did.
 
@@ -80,7 +102,9 @@ def generate(
     up: str = "y",
     seed: int = 0,
     threads: int | None = None,
+    checkpoint: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int], None] | None = None,
+    resumed: Callable[[Resumed], None] | None = None,
     report: Callable[[GenerationReport], None] | None = None,
 ) -> Bsdf:
     """Ray-trace a device into a BSDF.
@@ -138,15 +162,21 @@ def generate(
         Equal seeds give equal bits, whatever the number of threads.
     threads
         Number of threads; all processors by default.
+    checkpoint
+        A directory, new or empty at first, that keeps what was counted. A generation that was interrupted, in whatever way,
+        goes on where it was when it is called again, and ends with the same bits; one that is done goes on to more
+        ``samples``. Another device, or an option that changes what is counted, is refused. The directory stays when all is done.
     progress
         Called about 10 times a second with paths done and paths to do.
+    resumed
+        Called once if something of the checkpoint was used, with where the generation goes on.
     report
         Called once at the end with what was done.
 
     Raises
     ------
     ValueError
-        If the device or an option is not understood.
+        If the device or an option is not understood, or the checkpoint is of another generation or cannot be written.
     """
     if sampling not in ("sobol", "random"):
         raise ValueError(f"sampling {sampling!r}; expected 'sobol' or 'random'")
@@ -180,13 +210,21 @@ def generate(
         unit=unit,
         seed=seed,
         threads=threads,
+        checkpoint=None if checkpoint is None else os.fspath(checkpoint),
     )
+    told = False
     try:
-        while not generation.wait(0.1):
+        while True:
+            ended = generation.wait(0.1)
+            if resumed is not None and not told and (where := generation.resumed()) is not None:
+                told = True
+                resumed(Resumed(*where))
+            if ended:
+                break
             if progress is not None:
                 progress(*generation.paths())
     except BaseException:
-        # Ctrl-C, or an error in `progress`: let the threads end before it goes on its way.
+        # Ctrl-C, or an error in what is called: let the threads end before it goes on its way.
         generation.cancel()
         generation.wait(60.0)
         raise

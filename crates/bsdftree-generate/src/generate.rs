@@ -1,30 +1,32 @@
 //! A device to a BSDF: paths from every incident cell, counted by exitant cell, reduced to trees or matrices.
 //!
-//! The unit of work is an incident cell of one side. Its paths are numbered, and everything random about one follows
-//! from (seed, cell, number), so the result has the same bits whatever the number of threads.
+//! In: device and options. Out: the BSDF, its standard errors, a report. Paths are counted in rounds until there are enough; a round of
+//! which something is in the checkpoint goes on from there. Invariant: the result is a function of device, options and the
+//! number of paths alone.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use bsdftree::color::xyz_from_rgb;
 use bsdftree::tree::TreeError;
-use bsdftree::{Bsdf, Header, Rank, Side};
+use bsdftree::{Bsdf, Header, Rank};
 use bsdftree_device::Device;
 use glam::DVec3;
-use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::bvh::BvhError;
-use crate::diffuse::{Laid, Reuse, SideRows, mean_of};
-use crate::estimate::{Counted, Estimated, Estimator};
+use crate::checkpoint::{Checkpoint, CheckpointError, Job};
+use crate::count::{Counter, Spent};
+use crate::counts::Counts;
+use crate::diffuse::Reuse;
+use crate::estimate::{Estimated, Estimator};
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
-use crate::path::{Outcome, Scene};
-use crate::progress::Progress;
-use crate::random::{N_REPLICATES, Start, Stratified};
+use crate::path::Scene;
+use crate::progress::{Progress, Resumed};
 use crate::scatter::{Spectrum, is_neutral, is_reciprocal};
 use crate::schedule::{Stop, affordable, round_after};
-use crate::tally::{Exit, Row, Tally, added};
+use crate::tally::Exit;
 use crate::tile::Tile;
 
 /// Most memory that counted paths may take \[byte\].
@@ -57,6 +59,9 @@ pub enum GenerateError {
         /// Memory needed.
         gib: f64,
     },
+    /// What was counted cannot be kept, or is of another generation.
+    #[error("{0}")]
+    Checkpoint(#[from] CheckpointError),
     /// [`Progress::cancel`] was called.
     #[error("cancelled")]
     Cancelled,
@@ -133,22 +138,17 @@ pub fn generate(device: &Device, options: &Options, progress: &Progress) -> Resu
 }
 
 struct Generator<'a, S> {
-    scene: Scene<S>,
+    counter: Counter<'a, S>,
     options: &'a Options,
-    aperture: Aperture,
-    tile: Option<Tile>,
-    progress: &'a Progress,
+    checkpoint: Option<Checkpoint>,
     reciprocity: bool,
-    reuse: Option<Reuse>,
     xyz: Option<fn(S) -> [f64; 3]>,
 }
 
-/// All that was counted.
-struct Counts<S> {
-    /// By side asked for.
-    counted: Vec<Counted<S>>,
-    /// What was laid down by walks from the front and from the back.
-    laid: Option<[SideRows; 2]>,
+/// A round, and whether it has to be the last.
+struct Next {
+    round: Range<u64>,
+    last: bool,
 }
 
 impl<'a, S: Spectrum> Generator<'a, S> {
@@ -175,43 +175,51 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             true => Reuse::new(&scene, device, options, &aperture, tile.as_ref()),
             false => None,
         };
-        Ok(Generator { reuse, scene, options, aperture, tile, progress, reciprocity, xyz })
+        let job = |n_sites| Job::new::<S>(device, options, &aperture, n_sites);
+        let checkpoint = match &options.checkpoint {
+            Some(directory) => Some(Checkpoint::open(directory, &job(reuse.as_ref().map(Reuse::n_sites)))?),
+            None => None,
+        };
+        let counter = Counter { scene, options, aperture, tile, reuse, progress };
+        Ok(Generator { counter, options, checkpoint, reciprocity, xyz })
     }
 
     fn run(&self, device: &Device) -> Result<Generated, GenerateError> {
         let begin = Instant::now();
         let options = self.options;
-        let mut counts = self.nothing();
-        let (mut samples, mut lost) = (0, 0);
-        let (mut tracing, mut reducing) = (Duration::ZERO, Duration::ZERO);
+        let mut counts = self.counter.nothing();
+        let mut samples = 0;
+        let mut spent = Spent::default();
+        let mut reducing = Duration::ZERO;
         let (stop, estimated) = loop {
-            let mut round = round_after(samples, options.samples);
-            if let Some(budget) = options.time_budget {
-                // Reducing takes longer the more was counted.
-                let left = budget.saturating_sub(begin.elapsed()).saturating_sub(2 * reducing);
-                match samples {
-                    0 => {}
-                    _ => match affordable(samples, tracing, left) {
-                        Some(end) => round.end = round.end.min(end),
-                        None => break (Stop::Time, None),
-                    },
-                }
-            }
-            if let Some(gib) = self.gib_after(&counts, &round) {
+            // Reducing takes longer the more was counted.
+            let left = options
+                .time_budget
+                .map(|budget| budget.saturating_sub(begin.elapsed()).saturating_sub(2 * reducing));
+            let Some(Next { round, last }) = self.next(samples, spent, left)? else {
+                break (Stop::Time, None);
+            };
+            // What was begun was found to fit.
+            if let Some(gib) = self.gib_after(&counts, &round).filter(|_| !self.has(&round)) {
                 if samples > 0 && (options.tolerance.is_some() || options.time_budget.is_some()) {
                     break (Stop::Memory, None);
                 }
                 let cells = options.layout.n_incident() as u64;
                 return Err(GenerateError::Memory { samples, cells, gib });
             }
-            let started = Instant::now();
-            lost += self.count(&mut counts, round.clone())?;
+            spent = self.count(&mut counts, &round, spent)?;
             samples = round.end;
-            tracing += started.elapsed();
             if samples == options.samples {
                 break (Stop::Samples, None);
             }
-            if options.tolerance.is_some() || (options.time_budget.is_some() && reducing.is_zero()) {
+            if last {
+                break (Stop::Time, None);
+            }
+            // What was counted after this round was counted because this round was not enough.
+            let enough = !self.has(&round_after(samples, options.samples));
+            if enough
+                && (options.tolerance.is_some() || (options.time_budget.is_some() && reducing.is_zero()))
+            {
                 let started = Instant::now();
                 let estimated = self.estimated(&counts, samples)?;
                 reducing = started.elapsed();
@@ -223,49 +231,87 @@ impl<'a, S: Spectrum> Generator<'a, S> {
                 }
             }
         };
+        if self.checkpoint.is_some() {
+            // Said unless it was said before.
+            let all = Resumed { samples, round_end: samples, share: 0.0, n_dropped: 0 };
+            self.counter.progress.resume(Some(all));
+        }
         let started = Instant::now();
         let Estimated { bsdf, errors, error, direction_error } = match estimated {
             Some(estimated) => estimated,
             None => self.estimated(&counts, samples)?,
         };
         let report = Report {
-            paths: self.paths(samples),
+            paths: self.counter.paths(samples),
             samples,
             stop,
             error,
             direction_error,
-            lost,
-            tracing,
+            lost: spent.lost,
+            tracing: Duration::from_secs_f64(spent.seconds),
             reducing: reducing.max(started.elapsed()),
-            aperture: self.aperture,
-            warnings: self.warnings(device, lost),
+            aperture: self.counter.aperture,
+            warnings: self.warnings(device, spent.lost),
         };
         Ok(Generated { bsdf, errors, report })
     }
 
-    fn nothing(&self) -> Counts<S> {
-        let counted = self.options.sides.iter().map(|side| self.nothing_of(side)).collect();
-        let laid = |reuse: &Reuse| [(); 2].map(|()| [(); 2].map(|()| vec![Laid::default(); reuse.n_cells()]));
-        Counts { counted, laid: self.reuse.as_ref().map(laid) }
+    /// What to count after `samples` paths on which so much was spent, if there is time `left` for it.
+    fn next(
+        &self,
+        samples: u64,
+        spent: Spent,
+        left: Option<Duration>,
+    ) -> Result<Option<Next>, GenerateError> {
+        let whole = round_after(samples, self.options.samples);
+        if samples == 0 {
+            let base = self.checkpoint.as_ref().map(|kept| kept.base(self.options.samples)).transpose()?;
+            return Ok(Some(Next { round: base.flatten().unwrap_or(whole), last: false }));
+        }
+        let Some(left) = left.filter(|_| !self.has(&whole)) else {
+            return Ok(Some(Next { round: whole, last: false }));
+        };
+        let seconds = Duration::from_secs_f64(spent.seconds);
+        let end = affordable(samples, seconds, left).unwrap_or(samples).min(whole.end);
+        // What was cut short earlier is as good as what would be cut shorter now.
+        let cut = self.checkpoint.as_ref().map(|kept| kept.cut(samples)).transpose()?.flatten();
+        let end = end.max(cut.filter(|&cut| cut <= whole.end).unwrap_or(samples));
+        let next = Next { round: samples..end, last: end < whole.end };
+        Ok((end > samples).then_some(next))
     }
 
-    /// Paths of all incident cells: walks from both sides and full paths from those asked for, where diffused light is reused.
-    fn paths(&self, samples: u64) -> u64 {
-        let n_sides = self.options.sides.iter().count() as u64;
-        let each = match self.reuse {
-            None => n_sides * samples,
-            Some(_) => 2 * samples + n_sides * Reuse::paths(&(0..samples)).end,
+    fn has(&self, round: &Range<u64>) -> bool {
+        self.checkpoint.as_ref().is_some_and(|kept| kept.has(round))
+    }
+
+    /// Counts a round, or what is not in the checkpoint of it; returns what was spent on all of them.
+    fn count(
+        &self,
+        counts: &mut Counts<S>,
+        round: &Range<u64>,
+        before: Spent,
+    ) -> Result<Spent, GenerateError> {
+        let counter = &self.counter;
+        let total = match self.options.tolerance.is_some() || self.options.time_budget.is_some() {
+            true => round.end,
+            false => self.options.samples,
         };
-        each * self.options.layout.n_incident() as u64
+        counter.progress.begin(counter.paths(total), counter.paths(round.start));
+        let mut file = self.checkpoint.as_ref().map(|kept| kept.round(round)).transpose()?;
+        let spent = before + counter.count(counts, file.as_mut(), round)?;
+        if let (Some(kept), Some(file)) = (&self.checkpoint, file) {
+            file.sync()?;
+            kept.complete(round, &counter.slots(counts), spent)?;
+        }
+        Ok(spent)
     }
 
     /// Memory that a round may take, if that is too much.
     fn gib_after(&self, counts: &Counts<S>, round: &Range<u64>) -> Option<f64> {
-        let rows = || counts.counted.iter().flat_map(|c| c.rows.iter().chain(&c.diffused)).flatten();
         // A round can hold as much again as what there is.
         let exits = match round.start {
-            0 => self.paths(round.end.min(self.options.layout.n_exitant() as u64)),
-            _ => 2 * rows().map(|row| row.len() as u64).sum::<u64>(),
+            0 => self.counter.paths(round.end.min(self.options.layout.n_exitant() as u64)),
+            _ => 2 * counts.n_exits(),
         };
         let bytes = exits * size_of::<Exit<S>>() as u64;
         (bytes > MAX_BYTES).then(|| bytes as f64 / (1u64 << 30) as f64)
@@ -276,14 +322,17 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         if lost > 0 {
             warnings.push(format!("{lost} paths were trapped in the device and are missing"));
         }
-        if self.aperture.max[2] > 1e-5 {
-            warnings.push(format!("the device reaches {:.4} m into the room (z > 0)", self.aperture.max[2]));
+        if self.counter.aperture.max[2] > 1e-5 {
+            warnings.push(format!(
+                "the device reaches {:.4} m into the room (z > 0)",
+                self.counter.aperture.max[2]
+            ));
         }
         warnings
     }
 
     fn header(&self) -> Header {
-        let Aperture { min, max } = self.aperture;
+        let Aperture { min, max } = self.counter.aperture;
         Header {
             name: "Device".into(),
             manufacturer: "Manufacturer".into(),
@@ -295,157 +344,13 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         }
     }
 
-    /// Follows a round of paths from every incident cell and adds them to what was counted; returns how many were lost.
-    fn count(&self, counts: &mut Counts<S>, round: Range<u64>) -> Result<u64, GenerateError> {
-        let total = match self.options.tolerance.is_some() || self.options.time_budget.is_some() {
-            true => round.end,
-            false => self.options.samples,
-        };
-        self.progress.begin(self.paths(total), self.paths(round.start));
-        match (&self.reuse, &mut counts.laid) {
-            (Some(reuse), Some(laid)) => self.count_reused(reuse, &mut counts.counted, laid, &round),
-            _ => self.count_paths(&mut counts.counted, &round),
-        }
-    }
-
-    fn tallies(&self) -> [Tally<S>; 2] {
-        [(); 2].map(|()| Tally::new(self.options.layout.n_exitant()))
-    }
-
-    fn count_paths(&self, counted: &mut [Counted<S>], round: &Range<u64>) -> Result<u64, GenerateError> {
-        let mut lost = 0;
-        for Counted { side, rows: [reflected, transmitted], .. } in counted {
-            let cells = reflected.par_iter_mut().zip(transmitted).enumerate();
-            lost += cells
-                .map_init(
-                    || self.tallies(),
-                    |tallies, (cell, rows)| {
-                        self.check_cancelled()?;
-                        let lost = self.count_cell(*side, cell, round.clone(), tallies);
-                        self.progress.add(round.end - round.start);
-                        drain([rows.0, rows.1], tallies);
-                        Ok::<_, GenerateError>(lost)
-                    },
-                )
-                .try_reduce(|| 0, |a, b| Ok(a + b))?;
-        }
-        Ok(lost)
-    }
-
-    /// As [`count_paths`](Self::count_paths), of walks that are never diffused, and of full paths that are.
-    fn count_reused(
-        &self,
-        reuse: &Reuse,
-        counted: &mut [Counted<S>],
-        laid: &mut [SideRows; 2],
-        round: &Range<u64>,
-    ) -> Result<u64, GenerateError> {
-        let walker = reuse.walker(&self.scene, self.tile.as_ref(), &self.options.layout, self.options.seed);
-        // Incident cells in one cell of the model.
-        let group = self.options.layout.n_incident() / reuse.n_cells();
-        let mut lost = 0;
-        for (side, [first, second]) in [Side::Front, Side::Back].into_iter().zip(laid) {
-            // Light from a side that is not asked for is wanted only for where it is laid down.
-            let mut unwanted = self.nothing_of(side);
-            let wanted = counted.iter_mut().find(|c| c.side == side);
-            let keep = wanted.is_some();
-            let Counted { rows: [reflected, transmitted], diffused: [r, t], .. } =
-                wanted.unwrap_or(&mut unwanted);
-            let rows = reflected.par_chunks_mut(group).zip(transmitted.par_chunks_mut(group));
-            let diffused = r.par_chunks_mut(group).zip(t.par_chunks_mut(group));
-            let halves = first.par_iter_mut().zip(second);
-            lost += rows
-                .zip(diffused)
-                .zip(halves)
-                .enumerate()
-                .map_init(
-                    || (self.tallies(), reuse.deposits()),
-                    |(tallies, deposits), (block, ((rows, diffused), halves))| {
-                        self.check_cancelled()?;
-                        let mut lost = 0;
-                        for k in 0..group {
-                            let cell = block * group + k;
-                            lost += walker.count_walks(side, cell, round, tallies, deposits);
-                            let mut done = round.end - round.start;
-                            if keep {
-                                drain([&mut rows.0[k], &mut rows.1[k]], tallies);
-                                lost += walker.count_diffused(side, cell, round, tallies);
-                                drain([&mut diffused.0[k], &mut diffused.1[k]], tallies);
-                                done += Reuse::paths(round).count() as u64;
-                            } else {
-                                tallies.iter_mut().for_each(|tally| drop(tally.drain()));
-                            }
-                            self.progress.add(done);
-                        }
-                        for (row, deposits) in [halves.0, halves.1].into_iter().zip(deposits) {
-                            mean_of(row, round.start, &deposits.drain(), round.end - round.start);
-                        }
-                        Ok::<_, GenerateError>(lost)
-                    },
-                )
-                .try_reduce(|| 0, |a, b| Ok(a + b))?;
-        }
-        Ok(lost)
-    }
-
-    fn nothing_of(&self, side: Side) -> Counted<S> {
-        let empty = || [(); 2].map(|()| vec![Row::new(); self.options.layout.n_incident()]);
-        Counted { side, rows: empty(), diffused: empty() }
-    }
-
-    fn check_cancelled(&self) -> Result<(), GenerateError> {
-        if self.progress.is_cancelled() { Err(GenerateError::Cancelled) } else { Ok(()) }
-    }
-
-    fn count_cell(
-        &self,
-        side: Side,
-        cell: usize,
-        round: Range<u64>,
-        [reflected, transmitted]: &mut [Tally<S>; 2],
-    ) -> u64 {
-        let Options { layout, seed, stratified, .. } = self.options;
-        let Aperture { min, max } = self.aperture;
-        let z = if side == Side::Front { max[2] } else { min[2] };
-        // Starting a little before the plane of the aperture, a ray meets also what lies in that plane.
-        let margin = 1e-6 * (max[0] - min[0]).min(max[1] - min[1]);
-        let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
-        let points = Stratified::new(*seed, stream);
-        let mut lost = 0;
-        for sample in round {
-            let mut start = match stratified {
-                true => points.start(*seed, stream, sample),
-                false => Start::independent(*seed, stream, sample),
-            };
-            let [u, v] = start.incident;
-            let [s, t] = start.origin;
-            let disk = layout.incident_disk(cell, u, v);
-            let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
-            let place = DVec3::new(min[0] + s * (max[0] - min[0]), min[1] + t * (max[1] - min[1]), z);
-            let origin = place - direction * margin;
-            match self.scene.follow(origin, direction, self.tile.as_ref(), &mut start.random) {
-                Outcome::Left(exitant, weight) => {
-                    let tally = if Side::of(exitant.to_array()) == side {
-                        &mut *reflected
-                    } else {
-                        &mut *transmitted
-                    };
-                    let replicate = (sample % N_REPLICATES as u64) as usize;
-                    tally.add(layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
-                }
-                Outcome::Absorbed => {}
-                Outcome::Lost => lost += 1,
-            }
-        }
-        lost
-    }
-
     fn estimated(&self, counts: &Counts<S>, samples: u64) -> Result<Estimated, GenerateError> {
-        let (tile, seed) = (self.tile.as_ref(), self.options.seed);
-        let model = self.reuse.as_ref().zip(counts.laid.as_ref()).map(|(reuse, laid)| {
-            let walker = reuse.walker(&self.scene, tile, &self.options.layout, seed);
-            reuse.model(&walker, laid, samples)
-        });
+        let model = self
+            .counter
+            .reuse
+            .as_ref()
+            .zip(counts.laid.as_ref())
+            .map(|(reuse, laid)| reuse.model(&self.counter.walker(reuse), laid, samples));
         let estimator = Estimator {
             options: self.options,
             model,
@@ -455,13 +360,6 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             n: samples as f64,
         };
         estimator.estimated(&counts.counted, Bsdf { header: self.header(), ..Bsdf::default() })
-    }
-}
-
-/// Moves counts to the rows they belong to.
-fn drain<S: Spectrum>(rows: [&mut Row<S>; 2], tallies: &mut [Tally<S>; 2]) {
-    for (row, tally) in rows.into_iter().zip(tallies) {
-        *row = added(std::mem::take(row), tally.drain());
     }
 }
 

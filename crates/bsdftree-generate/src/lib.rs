@@ -35,10 +35,14 @@ mod correction;
 pub mod schedule;
 pub mod progress;
 mod estimate;
+mod counts;
+pub mod checkpoint;
+mod count;
 pub mod generate;
 
+pub use checkpoint::CheckpointError;
 pub use generate::{GenerateError, Generated, Report, generate};
 pub use layout::Layout;
 pub use options::{Aperture, Options, Sides};
-pub use progress::Progress;
+pub use progress::{Progress, Resumed};
 pub use schedule::Stop;

@@ -1,5 +1,6 @@
 //! What is asked of a generation.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use bsdftree::Side;
@@ -84,6 +85,9 @@ pub struct Options {
     pub seed: u64,
     /// Number of threads; all processors by default.
     pub threads: Option<usize>,
+    /// A directory, new or empty at first, that keeps what was counted, so that a generation that was interrupted goes on where it
+    /// was, and one that is done goes on to more `samples`.
+    pub checkpoint: Option<PathBuf>,
 }
 
 impl Options {
@@ -107,6 +111,7 @@ impl Options {
             unit: LengthUnit::Meter,
             seed: 0,
             threads: None,
+            checkpoint: None,
         }
     }
 

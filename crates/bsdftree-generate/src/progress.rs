@@ -1,5 +1,6 @@
 //! How far a generation has come, read by whoever waits for it, and the wish to stop it.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// Shared between the workers and the one who waits.
@@ -8,6 +9,20 @@ pub struct Progress {
     done: AtomicU64,
     total: AtomicU64,
     cancelled: AtomicBool,
+    resumed: OnceLock<Option<Resumed>>,
+}
+
+/// Where a generation went on that had been interrupted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resumed {
+    /// Paths per incident cell and side that were counted before.
+    pub samples: u64,
+    /// Paths per incident cell and side at the end of the round that was interrupted; the same, if none was.
+    pub round_end: u64,
+    /// The share of that round that was counted, in 0..1.
+    pub share: f64,
+    /// What was written but is not whole, and is counted again \[byte\].
+    pub n_dropped: u64,
 }
 
 impl Progress {
@@ -19,6 +34,16 @@ impl Progress {
     /// Asks the workers to stop; they do after the incident cell they are at.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Where work went on, if it had been interrupted; `None` until that is known.
+    pub fn resumed(&self) -> Option<Resumed> {
+        self.resumed.get().copied().flatten()
+    }
+
+    /// Work goes on from there, or else begins. Only the first time counts.
+    pub(crate) fn resume(&self, from: Option<Resumed>) {
+        let _ = self.resumed.set(from);
     }
 
     pub(crate) fn is_cancelled(&self) -> bool {

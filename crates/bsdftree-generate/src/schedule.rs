@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 /// Paths of the first round.
-const FIRST: u64 = 64;
+pub(crate) const FIRST: u64 = 64;
 /// Most paths of a round: sums of so many weights are exact enough in 32 bits.
 const MOST: u64 = 1 << 14;
 
@@ -34,6 +34,11 @@ pub(crate) fn round_after(done: u64, samples: u64) -> Range<u64> {
     done..end.min(samples)
 }
 
+/// Whether a round that is not cut short can end here.
+pub(crate) fn is_whole(end: u64) -> bool {
+    end >= FIRST && if end < MOST { end.is_power_of_two() } else { end.is_multiple_of(MOST) }
+}
+
 /// How many paths can be done in the time that is left: at least a sixteenth of those done, or it is not worth a round.
 pub(crate) fn affordable(done: u64, tracing: Duration, left: Duration) -> Option<u64> {
     let more = (left.as_secs_f64() / (tracing.as_secs_f64() / done as f64).max(1e-12)) as u64;
@@ -53,6 +58,8 @@ mod tests {
             ends.push(done);
         }
         assert_eq!(ends, [64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768, 49152, 50_000]);
+        assert!(ends[..11].iter().all(|&end| is_whole(end)));
+        assert!([10, 63, 65, 1000, 16_385, 24_576, 50_000].iter().all(|&end| !is_whole(end)));
         assert_eq!(round_after(0, 10), 0..10);
         assert_eq!(round_after(64, 100), 64..100);
     }

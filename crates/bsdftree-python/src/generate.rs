@@ -142,7 +142,7 @@ pub struct Generation {
 
 /// Starts a generation; `aperture` is in `unit`. Of `klems` and (`rank`, `log2_res`) exactly one is given.
 #[pyfunction]
-#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, detail, time_budget, stratified, sides, color, reciprocity, reuse, pruned, aperture, tile, unit, seed, threads))]
+#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, detail, time_budget, stratified, sides, color, reciprocity, reuse, pruned, aperture, tile, unit, seed, threads, checkpoint))]
 #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
 pub fn generate(
     device: &Device,
@@ -166,6 +166,7 @@ pub fn generate(
     unit: &str,
     seed: u64,
     threads: Option<usize>,
+    checkpoint: Option<PathBuf>,
 ) -> PyResult<Generation> {
     let layout = match klems {
         Some(klems) => Layout::Klems(Arc::new(klems_basis(klems, subdivide)?)),
@@ -203,6 +204,7 @@ pub fn generate(
         unit,
         seed,
         threads,
+        checkpoint,
     };
     let progress = Arc::new(Progress::default());
     let (device, shared) = (Arc::clone(&device.0), Arc::clone(&progress));
@@ -215,6 +217,12 @@ impl Generation {
     /// Paths done and paths to do.
     fn paths(&self) -> (u64, u64) {
         self.progress.paths()
+    }
+
+    /// Samples that a checkpoint had, samples at the end of the round that was interrupted, the share of that round that it had, and
+    /// bytes of it that were not whole. None until that is known, and if there was nothing to go on from.
+    fn resumed(&self) -> Option<(u64, u64, f64, u64)> {
+        self.progress.resumed().map(|from| (from.samples, from.round_end, from.share, from.n_dropped))
     }
 
     /// Stops it soon.

@@ -6,12 +6,14 @@ import os
 import shlex
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import click
 
 import bsdftree
-from bsdftree import Device, GenerationReport, device_families
+from bsdftree import Device, GenerationReport, Resumed, device_families
 from bsdftree.cli._common import json_option, print_json, stderr, stdout, table, with_input_errors
 from bsdftree.cli._progress import PathsBar
 from bsdftree.cli.info import summarize
@@ -141,6 +143,13 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     "--seed", type=click.IntRange(0, 2**64 - 1), default=0, show_default=True, help="Equal seeds give equal bits."
 )
 @click.option("--threads", type=click.IntRange(1), help="Number of threads; all processors by default.")
+@click.option(
+    "--checkpoint",
+    type=click.Path(file_okay=False),
+    metavar="DIR",
+    help="Keep what was counted in this directory, new or empty at first. The same command goes on where it was "
+    "interrupted, with the same result; a larger --samples goes on from what is there.",
+)
 @json_option
 @with_input_errors
 def generate(
@@ -170,6 +179,7 @@ def generate(
     manufacturer: str | None,
     seed: int,
     threads: int | None,
+    checkpoint: str | None,
     as_json: bool,
 ) -> None:
     """Ray-trace a device into a BSDF and write it as WINDOW 6 XML.
@@ -182,6 +192,7 @@ def generate(
       bsdftree generate blinds.rad -o blinds.xml
       bsdftree generate --rank 3 --log2-res 4 mirror.rad -o mirror.xml
       bsdftree generate --device blinds:depth=0.05,spacing=0.04,angle=30 --log2-res 6 -o blinds.xml
+      bsdftree generate --log2-res 7 --samples 16384 --checkpoint blinds.state blinds.rad -o blinds.xml
       bsdftree generate --klems full --unit inch --dim 0 40 0 40 -2 0 shade.rad -o shade.xml
     """
     if bool(files) == bool(spec):
@@ -193,7 +204,7 @@ def generate(
     device = Device.from_spec(spec) if spec else Device.read(*files, unit=unit)
     reports: list[GenerationReport] = []
     begin = time.perf_counter()
-    with PathsBar() as bar:
+    with _kept(checkpoint), PathsBar() as bar:
         bsdf = bsdftree.generate(
             device,
             rank=int(rank),
@@ -217,7 +228,9 @@ def generate(
             up=up,
             seed=seed,
             threads=threads,
+            checkpoint=checkpoint,
             progress=bar.update,
+            resumed=_show_resumed,
             report=reports.append,
         )
     seconds = time.perf_counter() - begin
@@ -238,6 +251,29 @@ def generate(
         print_json(_summary(bsdf, output, report, seconds))
     else:
         _show(bsdf, output, report, seconds)
+        if checkpoint is not None:
+            stderr.print(f"{checkpoint} keeps what was counted: more --samples go on from there", highlight=False)
+
+
+@contextmanager
+def _kept(checkpoint: str | None) -> Iterator[None]:
+    """Say on Ctrl-C that nothing is lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if checkpoint is not None:
+            click.echo(f"bsdftree: stopped; {checkpoint} keeps what was counted, the same command goes on", err=True)
+        raise
+
+
+def _show_resumed(where: Resumed) -> None:
+    if where.samples == where.round_end:
+        line = f"nothing left to count: the checkpoint has {where.samples:,} samples per incident cell"
+    else:
+        line = f"resuming at sample {where.samples:,}, {where.share:.0%} of the round to {where.round_end:,}"
+    if where.dropped:
+        line += f"; {where.dropped:,} bytes were not whole and are counted again"
+    click.echo(f"bsdftree: {line}", err=True)
 
 
 def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> dict[str, Any]:

@@ -41,12 +41,12 @@ mod walk;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use deposit::Row as Laid;
+pub(crate) use deposit::{Deposits, Row as Laid, Walker};
 pub(crate) use model::{Model, SideRows};
 pub(crate) use reuse::{Reuse, mean_of};
 #[cfg(test)]
 use {
-    deposit::{Deposits, Row, Walker},
+    deposit::Row,
     entrance::Entrance,
     model::{MAX_LOG2, model_layout},
     sites::{Fineness, Sites},

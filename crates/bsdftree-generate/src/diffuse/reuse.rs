@@ -62,6 +62,11 @@ impl Reuse {
         self.layout.n_incident()
     }
 
+    /// Patches of surface.
+    pub fn n_sites(&self) -> usize {
+        self.sites.len()
+    }
+
     pub fn walker<'a, S>(
         &'a self,
         scene: &'a Scene<S>,

@@ -31,6 +31,8 @@ pub trait Spectrum:
     fn luminance(self) -> f64;
     /// Number `k` below [`CHANNELS`](Self::CHANNELS): red, green, blue or the luminance.
     fn channel(self, k: usize) -> f64;
+    /// From its [`channel`](Self::channel)s.
+    fn from_channels(channel: impl FnMut(usize) -> f64) -> Self;
 }
 
 impl Spectrum for f64 {
@@ -52,6 +54,11 @@ impl Spectrum for f64 {
     fn channel(self, _: usize) -> f64 {
         self
     }
+
+    #[inline]
+    fn from_channels(mut channel: impl FnMut(usize) -> f64) -> f64 {
+        channel(0)
+    }
 }
 
 impl Spectrum for DVec3 {
@@ -72,6 +79,11 @@ impl Spectrum for DVec3 {
     #[inline]
     fn channel(self, k: usize) -> f64 {
         self[k]
+    }
+
+    #[inline]
+    fn from_channels(channel: impl FnMut(usize) -> f64) -> DVec3 {
+        DVec3::from_array([0, 1, 2].map(channel))
     }
 }
 

@@ -1,0 +1,140 @@
+//! What is counted, in clear text: a checkpoint of anything else is refused, with what differs.
+//!
+//! In: device and options. Out: one line for each thing that the counts depend on, and the device as the tracer sees it, without names.
+//! Left out is what may change from run to run: how many samples, when to stop, how counts are reduced, threads.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+
+use bsdftree_device::Device;
+
+use crate::layout::Layout;
+use crate::options::{Aperture, Options};
+use crate::scatter::Spectrum;
+
+/// First line of the file, but for its number.
+const TITLE: &str = "bsdftree checkpoint";
+/// Number of the form of all files of a checkpoint.
+const FORMAT: u32 = 1;
+const DEVICE: &str = "\ndevice:\n";
+
+/// What is counted.
+pub(crate) struct Job {
+    entries: Vec<(&'static str, String)>,
+    device: String,
+}
+
+impl Job {
+    /// `n_sites`: patches of surface, if diffused light is reused.
+    pub fn new<S: Spectrum>(
+        device: &Device,
+        options: &Options,
+        aperture: &Aperture,
+        n_sites: Option<usize>,
+    ) -> Job {
+        let yes = |yes: bool| if yes { "yes" } else { "no" }.to_string();
+        let entries = vec![
+            ("version", env!("CARGO_PKG_VERSION").into()),
+            ("layout", layout(&options.layout)),
+            ("sides", format!("{:?}", options.sides).to_lowercase()),
+            ("color", yes(S::CHANNELS > 1)),
+            ("reuse", n_sites.map_or("no".into(), |n| format!("yes, {n} patches"))),
+            ("sampling", if options.stratified { "sobol" } else { "random" }.into()),
+            ("tile", yes(options.tile)),
+            ("aperture", format!("{:?} to {:?} m", aperture.min, aperture.max)),
+            ("seed", options.seed.to_string()),
+        ];
+        Job { entries, device: nameless(device).to_rad() }
+    }
+
+    pub fn text(&self) -> String {
+        let mut text = format!("{TITLE} {FORMAT}\n");
+        for (name, value) in &self.entries {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "{name}: {value}");
+        }
+        text + DEVICE + &self.device
+    }
+
+    /// What the text of another job has otherwise, or `None` if it is the text of no job.
+    pub fn differences(&self, text: &str) -> Option<Vec<String>> {
+        let (title, rest) = text.split_once('\n')?;
+        let format = title.strip_prefix(TITLE)?.trim();
+        if format != FORMAT.to_string() {
+            return Some(vec![format!("format {FORMAT} here, but {format} there")]);
+        }
+        let (head, device) = rest.split_once(DEVICE)?;
+        let theirs: HashMap<&str, &str> = head.lines().filter_map(|line| line.split_once(": ")).collect();
+        let mut differences: Vec<String> = self
+            .entries
+            .iter()
+            .map(|(name, ours)| (name, ours, theirs.get(name).copied().unwrap_or("nothing")))
+            .filter(|(_, ours, theirs)| ours.as_str() != *theirs)
+            .map(|(name, ours, theirs)| format!("{name} {ours} here, but {theirs} there"))
+            .collect();
+        differences.extend(self.device_difference(device));
+        Some(differences)
+    }
+
+    fn device_difference(&self, device: &str) -> Option<String> {
+        if self.device == device {
+            return None;
+        }
+        let (mut ours, mut theirs) = (self.device.lines(), device.lines());
+        let (mut definition, mut line) = ("", 1);
+        loop {
+            let (a, b) = (ours.next(), theirs.next());
+            if a != b || a.is_none() {
+                let [a, b] = [a, b].map(|text| text.map_or("nothing".into(), shortened));
+                return Some(format!(
+                    "the device has, as line {line} ({definition}), {a} here, but {b} there"
+                ));
+            }
+            if let Some(text) = a.filter(|text| text.contains(char::is_alphabetic)) {
+                definition = text;
+            }
+            line += 1;
+        }
+    }
+}
+
+fn shortened(line: &str) -> String {
+    const MOST: usize = 60;
+    let line = line.trim();
+    match line.char_indices().nth(MOST) {
+        None => format!("{line:?}"),
+        Some((end, _)) => format!("{:?}…", &line[..end]),
+    }
+}
+
+fn layout(layout: &Layout) -> String {
+    match layout {
+        Layout::Tree { rank, log2_res } => {
+            format!("tree of rank {} with 2^{log2_res} cells per axis", rank.dimensions())
+        }
+        Layout::Klems(basis) => {
+            let ring =
+                |r: &bsdftree::klems::Ring| format!("{}-{}:{}", r.bounds_deg[0], r.bounds_deg[1], r.n_phi);
+            let rings: Vec<String> = basis.rings().iter().map(ring).collect();
+            format!("Klems basis of {} patches in rings {}", basis.n_patches(), rings.join(" "))
+        }
+    }
+}
+
+/// The device with its materials named in the order of their use, and nothing else named: names do not matter to light.
+fn nameless(device: &Device) -> Device {
+    let mut device = Device { warnings: Vec::new(), tile: None, ..device.clone() };
+    let mut names = vec![None; device.materials.len()];
+    let mut n_used = 0;
+    for surface in &mut device.surfaces {
+        surface.name = "s".into();
+        names[surface.material as usize].get_or_insert_with(|| {
+            n_used += 1;
+            format!("m{n_used}")
+        });
+    }
+    for (material, name) in device.materials.iter_mut().zip(names) {
+        material.name = name.unwrap_or_default();
+    }
+    device
+}

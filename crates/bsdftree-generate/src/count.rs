@@ -1,0 +1,268 @@
+//! Following paths, block by block.
+//!
+//! In: a range of path numbers. Out: what they counted, added to what was counted before, and written to a checkpoint if there is
+//! one. Everything random about a path follows from (seed, cell, number), so threads and interruptions change nothing.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use bsdftree::Side;
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::checkpoint::RoundFile;
+use crate::counts::{Block, Counts, Place, Shape, Slot};
+use crate::diffuse::{Deposits, Laid, Reuse, Walker};
+use crate::estimate::Counted;
+use crate::generate::GenerateError;
+use crate::options::{Aperture, Options};
+use crate::path::{Outcome, Scene};
+use crate::progress::{Progress, Resumed};
+use crate::random::{N_REPLICATES, Start, Stratified};
+use crate::scatter::Spectrum;
+use crate::schedule::round_after;
+use crate::tally::{Row, Tally};
+use crate::tile::Tile;
+
+/// Follows paths.
+pub(crate) struct Counter<'a, S> {
+    pub scene: Scene<S>,
+    pub options: &'a Options,
+    pub aperture: Aperture,
+    pub tile: Option<Tile>,
+    pub reuse: Option<Reuse>,
+    pub progress: &'a Progress,
+}
+
+/// Paths that never ended, and the time that counting took \[s\].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spent {
+    pub lost: u64,
+    pub seconds: f64,
+}
+
+impl std::ops::Add for Spent {
+    type Output = Spent;
+
+    fn add(self, other: Spent) -> Spent {
+        Spent { lost: self.lost + other.lost, seconds: self.seconds + other.seconds }
+    }
+}
+
+/// What a thread counts in.
+struct Workspace<S> {
+    tallies: [Tally<S>; 2],
+    deposits: Option<[Deposits<S>; 2]>,
+    bytes: Vec<u8>,
+}
+
+impl<S: Spectrum> Counter<'_, S> {
+    /// Before the first path.
+    pub fn nothing(&self) -> Counts<S> {
+        let n_incident = self.options.layout.n_incident();
+        let empty = |n: usize| [(); 2].map(|()| vec![Row::new(); n]);
+        let n_diffused = if self.reuse.is_some() { n_incident } else { 0 };
+        let counted = |side| Counted { side, rows: empty(n_incident), diffused: empty(n_diffused) };
+        let laid = |reuse: &Reuse| [(); 2].map(|()| [(); 2].map(|()| vec![Laid::default(); reuse.n_cells()]));
+        Counts {
+            counted: self.options.sides.iter().map(counted).collect(),
+            laid: self.reuse.as_ref().map(laid),
+        }
+    }
+
+    /// Paths of all incident cells: walks from both sides and full paths from those asked for, where diffused light is reused.
+    pub fn paths(&self, samples: u64) -> u64 {
+        let n_sides = self.options.sides.iter().count() as u64;
+        let each = match self.reuse {
+            None => n_sides * samples,
+            Some(_) => 2 * samples + n_sides * Reuse::paths(&(0..samples)).end,
+        };
+        each * self.options.layout.n_incident() as u64
+    }
+
+    /// All blocks: single incident cells, or those in one cell of the model of diffused light.
+    pub fn slots<'c>(&self, counts: &'c mut Counts<S>) -> Vec<Slot<'c, S>> {
+        let n_incident = self.options.layout.n_incident();
+        counts.slots(n_incident, self.reuse.as_ref().map_or(1, |reuse| n_incident / reuse.n_cells()))
+    }
+
+    /// Follows a round of paths from every incident cell, but for those in the file, and adds all to what was counted.
+    pub fn count(
+        &self,
+        counts: &mut Counts<S>,
+        mut file: Option<&mut RoundFile>,
+        round: &Range<u64>,
+    ) -> Result<Spent, GenerateError> {
+        let mut slots = self.slots(counts);
+        let mut done = vec![false; slots.len()];
+        let mut before = Spent::default();
+        if let Some(file) = file.as_deref_mut() {
+            before = self.restore(file, &mut slots, &mut done, round)?;
+        }
+        let file = file.as_deref();
+        let walker = self.reuse.as_ref().map(|reuse| self.walker(reuse));
+        let workspace = || Workspace {
+            tallies: [(); 2].map(|()| Tally::new(self.options.layout.n_exitant())),
+            deposits: self.reuse.as_ref().map(Reuse::deposits),
+            bytes: Vec::new(),
+        };
+        let started = Instant::now();
+        let lost = slots
+            .par_iter_mut()
+            .enumerate()
+            .filter(|(id, _)| !done[*id])
+            .map_init(workspace, |workspace, (id, slot)| {
+                if self.progress.is_cancelled() {
+                    return Err(GenerateError::Cancelled);
+                }
+                let block = self.block(workspace, walker.as_ref(), &slot.place, round);
+                if let Some(file) = file {
+                    file.append(id, &block.view(), &mut workspace.bytes)?;
+                }
+                self.progress.add(self.paths_of(&slot.place, round));
+                let lost = block.lost;
+                slot.add(block, round);
+                Ok(lost)
+            })
+            .try_reduce(|| 0, |a, b| Ok(a + b))?;
+        Ok(before + Spent { lost, seconds: started.elapsed().as_secs_f64() })
+    }
+
+    /// Adds the blocks of a file, and says so if work goes on from there.
+    fn restore(
+        &self,
+        file: &mut RoundFile,
+        slots: &mut [Slot<'_, S>],
+        done: &mut [bool],
+        round: &Range<u64>,
+    ) -> Result<Spent, GenerateError> {
+        let mut spent = Spent::default();
+        let mut n_paths = 0;
+        let shapes: Vec<_> = slots.iter().map(|slot| self.shape(slot)).collect();
+        let n_dropped = file.read(&shapes, |id, block: Block<S>| {
+            if !std::mem::replace(&mut done[id], true) {
+                spent = spent + Spent { lost: block.lost, seconds: block.seconds };
+                n_paths += self.paths_of(&slots[id].place, round);
+                slots[id].add(block, round);
+            }
+        })?;
+        self.progress.add(n_paths);
+        let n_done = done.iter().filter(|&&d| d).count();
+        // Rounds that were made one cannot be counted as one.
+        if n_done < done.len() && round_after(round.start, round.end) != *round {
+            return Err(file.damaged().into());
+        }
+        let share = n_done as f64 / done.len() as f64;
+        if n_done < done.len() {
+            let from = Resumed { samples: round.start, round_end: round.end, share, n_dropped };
+            self.progress.resume((round.start > 0 || n_done > 0 || n_dropped > 0).then_some(from));
+        }
+        Ok(spent)
+    }
+
+    pub fn walker<'s>(&'s self, reuse: &'s Reuse) -> Walker<'s, S> {
+        reuse.walker(&self.scene, self.tile.as_ref(), &self.options.layout, self.options.seed)
+    }
+
+    fn paths_of(&self, place: &Place, round: &Range<u64>) -> u64 {
+        let more = match self.reuse.is_some() && place.wanted {
+            true => Reuse::paths(round).count() as u64,
+            false => 0,
+        };
+        (round.end - round.start + more) * place.n_cells as u64
+    }
+
+    fn block(
+        &self,
+        workspace: &mut Workspace<S>,
+        walker: Option<&Walker<'_, S>>,
+        place: &Place,
+        round: &Range<u64>,
+    ) -> Block<S> {
+        let started = Instant::now();
+        let mut block = Block::nothing();
+        let Workspace { tallies, deposits, .. } = workspace;
+        for cell in place.first_cell..place.first_cell + place.n_cells {
+            match (walker, deposits.as_mut()) {
+                (Some(walker), Some(deposits)) => {
+                    block.lost += walker.count_walks(place.side, cell, round, tallies, deposits);
+                    if place.wanted {
+                        drain(&mut block.rows, tallies);
+                        block.lost += walker.count_diffused(place.side, cell, round, tallies);
+                        drain(&mut block.diffused, tallies);
+                    } else {
+                        // Light from a side that is not asked for is wanted only for where it is laid down.
+                        tallies.iter_mut().for_each(|tally| drop(tally.drain()));
+                    }
+                }
+                _ => {
+                    block.lost += self.count_cell(place.side, cell, round.clone(), tallies);
+                    drain(&mut block.rows, tallies);
+                }
+            }
+        }
+        block.laid = deposits.as_mut().map(|halves| halves.each_mut().map(Deposits::drain));
+        block.seconds = started.elapsed().as_secs_f64() / rayon::current_num_threads() as f64;
+        block
+    }
+
+    fn count_cell(
+        &self,
+        side: Side,
+        cell: usize,
+        round: Range<u64>,
+        [reflected, transmitted]: &mut [Tally<S>; 2],
+    ) -> u64 {
+        let Options { layout, seed, stratified, .. } = self.options;
+        let Aperture { min, max } = self.aperture;
+        let z = if side == Side::Front { max[2] } else { min[2] };
+        // Starting a little before the plane of the aperture, a ray meets also what lies in that plane.
+        let margin = 1e-6 * (max[0] - min[0]).min(max[1] - min[1]);
+        let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
+        let points = Stratified::new(*seed, stream);
+        let mut lost = 0;
+        for sample in round {
+            let mut start = match stratified {
+                true => points.start(*seed, stream, sample),
+                false => Start::independent(*seed, stream, sample),
+            };
+            let [u, v] = start.incident;
+            let [s, t] = start.origin;
+            let disk = layout.incident_disk(cell, u, v);
+            let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
+            let place = DVec3::new(min[0] + s * (max[0] - min[0]), min[1] + t * (max[1] - min[1]), z);
+            let origin = place - direction * margin;
+            match self.scene.follow(origin, direction, self.tile.as_ref(), &mut start.random) {
+                Outcome::Left(exitant, weight) => {
+                    let tally = if Side::of(exitant.to_array()) == side {
+                        &mut *reflected
+                    } else {
+                        &mut *transmitted
+                    };
+                    let replicate = (sample % N_REPLICATES as u64) as usize;
+                    tally.add(layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
+                }
+                Outcome::Absorbed => {}
+                Outcome::Lost => lost += 1,
+            }
+        }
+        lost
+    }
+
+    /// What a block of a slot must have.
+    fn shape(&self, slot: &Slot<'_, S>) -> Shape {
+        Shape {
+            n_rows: slot.rows[0].len(),
+            n_diffused: slot.diffused[0].len(),
+            n_laid: self.reuse.as_ref().map(|reuse| S::CHANNELS * reuse.n_sites()),
+            n_exitant: self.options.layout.n_exitant(),
+        }
+    }
+}
+
+/// Moves counts to rows of their own.
+fn drain<S: Spectrum>(rows: &mut [Vec<Row<S>>; 2], tallies: &mut [Tally<S>; 2]) {
+    for (rows, tally) in rows.iter_mut().zip(tallies) {
+        rows.push(tally.drain());
+    }
+}

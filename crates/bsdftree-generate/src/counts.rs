@@ -1,0 +1,163 @@
+//! What was counted, and the blocks that it is counted in.
+//!
+//! In: blocks of a range of path numbers, in any order. Out: rows of all incident cells. Invariant: ranges follow each other, and
+//! each block of a range is added once, so every sum is made in one order and has the same bits whatever order the blocks come in.
+
+use std::ops::Range;
+
+use bsdftree::Side;
+
+use crate::diffuse::{Laid, SideRows, mean_of};
+use crate::estimate::Counted;
+use crate::scatter::Spectrum;
+use crate::tally::{Row, added};
+
+/// All that was counted.
+pub(crate) struct Counts<S> {
+    /// By side asked for.
+    pub counted: Vec<Counted<S>>,
+    /// What was laid down by walks from the front and from the back.
+    pub laid: Option<[SideRows; 2]>,
+}
+
+/// Incident cells that are counted together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub side: Side,
+    pub first_cell: usize,
+    pub n_cells: usize,
+    /// Whether exits are kept, or only what is laid down.
+    pub wanted: bool,
+}
+
+/// What was counted at a place.
+#[derive(Clone, Debug)]
+pub(crate) struct Block<S> {
+    /// Reflected and transmitted exits by incident cell, if wanted.
+    pub rows: [Vec<Row<S>>; 2],
+    /// The same of full paths of light that is diffused, if that is followed apart.
+    pub diffused: [Vec<Row<S>>; 2],
+    /// What each half of the walks laid down.
+    pub laid: Option<[Laid; 2]>,
+    /// Paths that never ended.
+    pub lost: u64,
+    /// What it took \[s\], divided by the number of threads.
+    pub seconds: f64,
+}
+
+/// A block to look at.
+pub(crate) struct View<'a, S> {
+    pub rows: [&'a [Row<S>]; 2],
+    pub diffused: [&'a [Row<S>]; 2],
+    pub laid: Option<[&'a Laid; 2]>,
+    pub lost: u64,
+    pub seconds: f64,
+}
+
+/// What a block of a slot has.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shape {
+    /// Reflected, or transmitted, rows.
+    pub n_rows: usize,
+    /// Those of light that is diffused.
+    pub n_diffused: usize,
+    /// Numbers that each half laid down, sent or arrived.
+    pub n_laid: Option<usize>,
+    /// Exitant cells.
+    pub n_exitant: usize,
+}
+
+/// Where the counts of a block belong.
+pub(crate) struct Slot<'a, S> {
+    pub place: Place,
+    pub rows: [&'a mut [Row<S>]; 2],
+    pub diffused: [&'a mut [Row<S>]; 2],
+    pub laid: Option<[&'a mut Laid; 2]>,
+}
+
+impl<S: Spectrum> Counts<S> {
+    /// Exits that were counted.
+    pub fn n_exits(&self) -> u64 {
+        let rows = self.counted.iter().flat_map(|c| c.rows.iter().chain(&c.diffused)).flatten();
+        rows.map(|row| row.len() as u64).sum()
+    }
+
+    /// All blocks of so many of the `n_incident` cells of a side, front before back.
+    pub fn slots(&mut self, n_incident: usize, n_cells: usize) -> Vec<Slot<'_, S>> {
+        let [front, back] = match &mut self.laid {
+            None => [None, None],
+            Some([front, back]) => [Some(front), Some(back)],
+        };
+        let mut counted: Vec<_> = self.counted.iter_mut().collect();
+        let mut slots = Vec::new();
+        for (side, laid) in [(Side::Front, front), (Side::Back, back)] {
+            let counted = counted.iter().position(|c| c.side == side).map(|at| counted.swap_remove(at));
+            if laid.is_none() && counted.is_none() {
+                continue;
+            }
+            let (rows, diffused) = match counted {
+                None => Default::default(),
+                Some(Counted { rows, diffused, .. }) => {
+                    (rows.each_mut().map(|r| &mut r[..]), diffused.each_mut().map(|r| &mut r[..]))
+                }
+            };
+            let wanted = !rows[0].is_empty();
+            let [mut r, mut t] = rows.map(|rows| rows.chunks_mut(n_cells));
+            let [mut dr, mut dt] = diffused.map(|rows| rows.chunks_mut(n_cells));
+            let mut laid = laid.map(|halves| halves.each_mut().map(|half| half.iter_mut()));
+            for first_cell in (0..n_incident).step_by(n_cells) {
+                slots.push(Slot {
+                    place: Place { side, first_cell, n_cells: n_cells.min(n_incident - first_cell), wanted },
+                    rows: [&mut r, &mut t].map(|chunks| chunks.next().unwrap_or_default()),
+                    diffused: [&mut dr, &mut dt].map(|chunks| chunks.next().unwrap_or_default()),
+                    laid: laid
+                        .as_mut()
+                        .map(|halves| halves.each_mut().map(|half| half.next().expect("a row per block"))),
+                });
+            }
+        }
+        slots
+    }
+}
+
+impl<S> Block<S> {
+    pub fn nothing() -> Block<S> {
+        let none = || [Vec::new(), Vec::new()];
+        Block { rows: none(), diffused: none(), laid: None, lost: 0, seconds: 0.0 }
+    }
+
+    pub fn view(&self) -> View<'_, S> {
+        View {
+            rows: self.rows.each_ref().map(|r| &r[..]),
+            diffused: self.diffused.each_ref().map(|r| &r[..]),
+            laid: self.laid.as_ref().map(|halves| halves.each_ref()),
+            lost: self.lost,
+            seconds: self.seconds,
+        }
+    }
+}
+
+impl<S: Spectrum> Slot<'_, S> {
+    /// All that was added, in which so much was lost and spent.
+    pub fn view(&self, lost: u64, seconds: f64) -> View<'_, S> {
+        View {
+            rows: self.rows.each_ref().map(|r| &**r),
+            diffused: self.diffused.each_ref().map(|r| &**r),
+            laid: self.laid.as_ref().map(|halves| halves.each_ref().map(|half| &**half)),
+            lost,
+            seconds,
+        }
+    }
+
+    /// Adds what paths of these numbers counted.
+    pub fn add(&mut self, block: Block<S>, paths: &Range<u64>) {
+        for (kept, new) in [(&mut self.rows, block.rows), (&mut self.diffused, block.diffused)] {
+            for (kept, new) in kept.iter_mut().zip(new) {
+                kept.iter_mut().zip(new).for_each(|(row, new)| *row = added(std::mem::take(row), new));
+            }
+        }
+        for (row, new) in self.laid.iter_mut().flatten().zip(block.laid.iter().flatten()) {
+            mean_of(row, paths.start, new, paths.end - paths.start);
+        }
+    }
+}
