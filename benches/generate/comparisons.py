@@ -65,10 +65,12 @@ def print_tables(all_measured: Sequence[Measured]) -> None:
 
 
 def _references(all_measured: Sequence[Measured]) -> None:
-    head("References", "device", ">paths per incident cell", ">total", ">floor: L1", ">RMS", ">worst direction")
+    note = "Floor is a reference's own error; to plain: its RMS difference to plain paths, over the noise of both."
+    columns = (">paths", ">total", ">floor: L1", ">RMS", ">worst direction", ">to plain")
+    head("References", "device", *columns, note=note)
     for m in all_measured:
         floor = m.truth.floor
-        row(m.plan.name, m.truth.samples, m.truth.total, floor.l1, floor.rms, floor.worst)
+        row(m.plan.name, m.truth.samples, m.truth.total, floor.l1, floor.rms, floor.worst, m.truth.to_plain)
 
 
 def _against_genbsdf(all_measured: Sequence[Measured]) -> None:

@@ -21,6 +21,8 @@ from .references import Reference, reference
 
 CULL_PERCENTS = (50, 70, 80, 90, 95, 99)
 METRICS = ("l1", "rms")
+REFERENCE = {4: 60_000, 5: 131_072, 6: 65_536}
+"""Paths of a reference, by resolution."""
 TOLERANCES = (0.2, 0.1)
 PATIENCE = 20.0
 """Most wall time [s] for a tolerance."""
@@ -59,9 +61,9 @@ def plans(quick: bool) -> list[Plan]:
     """Four times the samples at a quarter of the incident cells is the same work for genBSDF."""
     if quick:
         series = (4, 16, 64, 256, 1024)
-        return [Plan(scene, 4, 60_000, 20, series, (500,)) for scene in EQUAL_ERROR]
-    fine = Plan(SAWTOOTH, 6, 200_000, 20, _powers(4, 2048), (1000,))
-    return [fine, *(Plan(scene, 5, 400_000, 80, _powers(4, 8192), (1000, 10_000)) for scene in EQUAL_ERROR)]
+        return [Plan(scene, 4, REFERENCE[4], 20, series, (500,)) for scene in EQUAL_ERROR]
+    fine = Plan(SAWTOOTH, 6, REFERENCE[6], 20, _powers(4, 2048), (1000,))
+    return [fine, *(Plan(scene, 5, REFERENCE[5], 80, _powers(4, 8192), (1000, 10_000)) for scene in EQUAL_ERROR)]
 
 
 def _powers(least: int, most: int) -> tuple[int, ...]:
