@@ -145,8 +145,8 @@ def generate(
         Whether to average pairs of directions with the same pairs swapped; by default, where the device's materials
         are reciprocal, but for rank 3, where it cannot be done.
     reuse
-        Whether diffused light is followed to and from patches of surface, which all directions share, and corrected by full
-        paths (trees of rank 4).
+        Whether diffused light is followed to and from patches of surface, which all directions share, and corrected by
+        full paths (trees of rank 4).
     prune
         Whether to merge cells of a tree that differ only by noise.
     dim
@@ -163,9 +163,10 @@ def generate(
     threads
         Number of threads; all processors by default.
     checkpoint
-        A directory, new or empty at first, that keeps what was counted. A generation that was interrupted, in whatever way,
-        goes on where it was when it is called again, and ends with the same bits; one that is done goes on to more
-        ``samples``. Another device, or an option that changes what is counted, is refused. The directory stays when all is done.
+        A directory, new or empty at first, that keeps what was counted. A generation that was interrupted, in whatever
+        way, goes on where it was when it is called again, and ends with the same bits; one that is done goes on to more
+        ``samples`` (from the last power of two, or multiple of 16 384, so that the bits are those of as many at once).
+        Another device, or an option that changes what is counted, is refused. The directory stays when all is done.
     progress
         Called about 10 times a second with paths done and paths to do.
     resumed

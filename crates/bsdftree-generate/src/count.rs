@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::checkpoint::RoundFile;
-use crate::counts::{Block, Counts, Place, Shape, Slot};
+use crate::counts::{Block, Counts, Place, Shape, Slot, Spent};
 use crate::diffuse::{Deposits, Laid, Reuse, Walker};
 use crate::estimate::Counted;
 use crate::generate::GenerateError;
@@ -32,21 +32,6 @@ pub(crate) struct Counter<'a, S> {
     pub tile: Option<Tile>,
     pub reuse: Option<Reuse>,
     pub progress: &'a Progress,
-}
-
-/// Paths that never ended, and the time that counting took \[s\].
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Spent {
-    pub lost: u64,
-    pub seconds: f64,
-}
-
-impl std::ops::Add for Spent {
-    type Output = Spent;
-
-    fn add(self, other: Spent) -> Spent {
-        Spent { lost: self.lost + other.lost, seconds: self.seconds + other.seconds }
-    }
 }
 
 /// What a thread counts in.

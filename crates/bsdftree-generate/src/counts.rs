@@ -45,6 +45,21 @@ pub(crate) struct Block<S> {
     pub seconds: f64,
 }
 
+/// Paths that never ended, and the time that counting took \[s\].
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Spent {
+    pub lost: u64,
+    pub seconds: f64,
+}
+
+impl std::ops::Add for Spent {
+    type Output = Spent;
+
+    fn add(self, other: Spent) -> Spent {
+        Spent { lost: self.lost + other.lost, seconds: self.seconds + other.seconds }
+    }
+}
+
 /// A block to look at.
 pub(crate) struct View<'a, S> {
     pub rows: [&'a [Row<S>]; 2],

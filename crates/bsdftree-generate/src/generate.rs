@@ -16,8 +16,8 @@ use thiserror::Error;
 
 use crate::bvh::BvhError;
 use crate::checkpoint::{Checkpoint, CheckpointError, Job};
-use crate::count::{Counter, Spent};
-use crate::counts::Counts;
+use crate::count::Counter;
+use crate::counts::{Counts, Spent};
 use crate::diffuse::Reuse;
 use crate::estimate::{Estimated, Estimator};
 use crate::layout::Layout;

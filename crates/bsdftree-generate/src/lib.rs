@@ -36,7 +36,7 @@ pub mod schedule;
 pub mod progress;
 mod estimate;
 mod counts;
-pub mod checkpoint;
+mod checkpoint;
 mod count;
 pub mod generate;
 

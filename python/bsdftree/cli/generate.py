@@ -111,9 +111,12 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 @click.option(
     "--reciprocity/--no-reciprocity",
     default=None,
-    help="Average pairs of directions with the same pairs swapped. [default: where all materials are reciprocal; not rank 3]",
+    help="Average pairs of directions with the same pairs swapped. "
+    "[default: where all materials are reciprocal; not rank 3]",
 )
-@click.option("--no-reuse", is_flag=True, help="Follow each path alone, also where diffuse surfaces let paths be shared.")
+@click.option(
+    "--no-reuse", is_flag=True, help="Follow each path alone, also where diffuse surfaces let paths be shared."
+)
 @click.option("--no-prune", is_flag=True, help="Keep cells of a tree that differ only by noise.")
 @click.option(
     "--dim",
@@ -203,6 +206,7 @@ def generate(
         raise click.UsageError("--subdivide splits Klems patches; give --klems too")
     device = Device.from_spec(spec) if spec else Device.read(*files, unit=unit)
     reports: list[GenerationReport] = []
+    limit = samples if samples is not None else 2000 if tolerance is None and time_budget is None else None
     begin = time.perf_counter()
     with _kept(checkpoint), PathsBar() as bar:
         bsdf = bsdftree.generate(
@@ -230,7 +234,7 @@ def generate(
             threads=threads,
             checkpoint=checkpoint,
             progress=bar.update,
-            resumed=_show_resumed,
+            resumed=lambda where: _show_resumed(where, limit),
             report=reports.append,
         )
     seconds = time.perf_counter() - begin
@@ -266,14 +270,15 @@ def _kept(checkpoint: str | None) -> Iterator[None]:
         raise
 
 
-def _show_resumed(where: Resumed) -> None:
+def _show_resumed(where: Resumed, limit: int | None) -> None:
     if where.samples == where.round_end:
-        line = f"nothing left to count: the checkpoint has {where.samples:,} samples per incident cell"
+        line = f"nothing left to count: the checkpoint has {where.samples} samples per incident cell"
     else:
-        line = f"resuming at sample {where.samples:,}, {where.share:.0%} of the round to {where.round_end:,}"
+        line = f"resuming at sample {where.samples}{'' if limit is None else f' of {limit}'}"
+        line += f", {where.share:.0%} of the round to {where.round_end}"
     if where.dropped:
-        line += f"; {where.dropped:,} bytes were not whole and are counted again"
-    click.echo(f"bsdftree: {line}", err=True)
+        line += f"; {where.dropped} bytes were not whole and are counted again"
+    stderr.print(f"bsdftree: {line}", highlight=False)
 
 
 def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> dict[str, Any]:

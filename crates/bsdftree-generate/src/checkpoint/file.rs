@@ -13,8 +13,7 @@ use rayon::prelude::*;
 
 use super::encode::{decode, encode};
 use super::error::CheckpointError;
-use crate::count::Spent;
-use crate::counts::{Block, Shape, Slot, View};
+use crate::counts::{Block, Shape, Slot, Spent, View};
 use crate::scatter::Spectrum;
 
 /// What may be lost when the power fails. (What was written survives the end of the process at any time.)

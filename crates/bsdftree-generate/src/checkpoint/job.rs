@@ -14,7 +14,7 @@ use crate::scatter::Spectrum;
 
 /// First line of the file, but for its number.
 const TITLE: &str = "bsdftree checkpoint";
-/// Number of the form of all files of a checkpoint.
+/// Number of the form of all files of a checkpoint. To be raised with any change of that, or of what is counted, within a version.
 const FORMAT: u32 = 1;
 const DEVICE: &str = "\ndevice:\n";
 

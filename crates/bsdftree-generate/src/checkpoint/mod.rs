@@ -9,6 +9,7 @@
 //! that replaces others is whole before it gets its name, and they go after that. Rounds that were cut short by `samples` or by time are kept
 //! until the round is counted to its end, since only whole rounds have the bits of longer generations.
 
+mod directory;
 mod encode;
 mod error;
 mod file;
@@ -16,7 +17,7 @@ mod job;
 #[cfg(test)]
 mod tests;
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::io::{ErrorKind, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -25,16 +26,13 @@ pub use error::CheckpointError;
 pub(crate) use file::RoundFile;
 pub(crate) use job::Job;
 
-use crate::count::Spent;
-use crate::counts::Slot;
+use crate::counts::{Slot, Spent};
 use crate::scatter::Spectrum;
 use crate::schedule::{FIRST, is_whole};
+use directory::{locked, refuse_others, remove_unfinished, sync_names, write_whole};
 use file::{checksum, io_error};
 
 const JOB: &str = "checkpoint.txt";
-const LOCK: &str = "checkpoint.lock";
-/// Ends the names of files that are not whole yet.
-const NEW: &str = ".new";
 
 /// Rounds are made one file when they are larger than this together \[byte\], and than this many times the last one: by then,
 /// most of what is in them is the same cells again.
@@ -115,7 +113,7 @@ impl Checkpoint {
     /// What was counted of a round.
     pub fn round(&self, round: &Range<u64>) -> Result<RoundFile, CheckpointError> {
         let file = RoundFile::open(&self.path(round), self.key_of(round))?;
-        self.sync_names()?;
+        sync_names(&self.directory)?;
         Ok(file)
     }
 
@@ -180,10 +178,6 @@ impl Checkpoint {
         let path = self.path(&part.paths);
         fs::remove_file(&path).map_err(|source| io_error("remove", &path, source))
     }
-
-    fn sync_names(&self) -> Result<(), CheckpointError> {
-        sync_names(&self.directory)
-    }
 }
 
 fn name(paths: &Range<u64>) -> String {
@@ -194,72 +188,4 @@ fn paths_of(file_name: &str) -> Option<Range<u64>> {
     let (start, end) = file_name.strip_suffix(".blocks")?.split_once('-')?;
     let paths = start.parse().ok()?..end.parse().ok()?;
     (name(&paths) == file_name && !paths.is_empty()).then_some(paths)
-}
-
-/// A directory without a job may have only what is left of a run that was killed before it wrote one.
-fn refuse_others(directory: &Path) -> Result<(), CheckpointError> {
-    let error = |source| io_error("list", directory, source);
-    for entry in fs::read_dir(directory).map_err(error)? {
-        let name = entry.map_err(error)?.file_name();
-        if name != JOB && name != LOCK && name.to_str() != Some(&format!("{JOB}{NEW}")) {
-            let found = name.to_string_lossy().into_owned();
-            return Err(CheckpointError::NotOurs { directory: directory.into(), found });
-        }
-    }
-    Ok(())
-}
-
-/// Files that a run which was killed had not brought to their end.
-fn remove_unfinished(directory: &Path) -> Result<(), CheckpointError> {
-    let error = |source| io_error("tidy", directory, source);
-    for entry in fs::read_dir(directory).map_err(error)? {
-        let name = entry.map_err(error)?.file_name();
-        if name.to_str().and_then(|name| paths_of(name.strip_suffix(NEW)?)).is_some() {
-            fs::remove_file(directory.join(name)).map_err(error)?;
-        }
-    }
-    Ok(())
-}
-
-fn locked(directory: &Path) -> Result<File, CheckpointError> {
-    let path = directory.join(LOCK);
-    let error = |source| io_error("lock", &path, source);
-    let lock = File::options().write(true).create(true).truncate(false).open(&path).map_err(error)?;
-    match lock.try_lock() {
-        Ok(()) => Ok(lock),
-        Err(TryLockError::WouldBlock) => Err(CheckpointError::InUse(directory.into())),
-        Err(TryLockError::Error(source)) => Err(error(source)),
-    }
-}
-
-/// Writes a file that has its name only when it is whole.
-fn write_whole(
-    directory: &Path,
-    name: &str,
-    write: impl FnOnce(&mut File) -> std::io::Result<()>,
-) -> Result<(), CheckpointError> {
-    let path = directory.join(format!("{name}{NEW}"));
-    let written = File::create(&path).and_then(|mut file| {
-        write(&mut file)?;
-        file.sync_all()
-    });
-    let named = written.and_then(|()| fs::rename(&path, directory.join(name)));
-    named.map_err(|source| {
-        // What is on disk without it is enough.
-        let _ = fs::remove_file(&path);
-        io_error("write", &path, source)
-    })?;
-    sync_names(directory)
-}
-
-/// Waits until the names of files are on the disk.
-fn sync_names(directory: &Path) -> Result<(), CheckpointError> {
-    // Only where directories can be opened as files.
-    #[cfg(unix)]
-    File::open(directory)
-        .and_then(|names| names.sync_all())
-        .map_err(|source| io_error("write", directory, source))?;
-    #[cfg(not(unix))]
-    let _ = directory;
-    Ok(())
 }
