@@ -97,8 +97,8 @@ def test_library_has_the_same_colours(write, rng, name):
     ours, theirs = (xyz[lit, :2] / xyz[lit].sum(axis=1, keepdims=True) for xyz in (ours, theirs))
     error = abs(theirs - ours).max()
     print(f"{name}: largest error of chromaticity {error:.1e}")
-    # Of a matrix, Radiance keeps chromaticities u' and v' in 8 bits each, dithered; of a tree, it joins cells of nearly one
-    # colour.
+    # Of a matrix, Radiance keeps chromaticities u' and v' in 8 bits each, dithered; of a tree, it joins cells of nearly
+    # one colour.
     assert error < (0.01 if "Klems" in name else 2e-3)
 
 

@@ -7,6 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bsdftree import _core
 from bsdftree._bsdf import Bsdf
 from bsdftree._device import Device, as_device
@@ -55,6 +58,9 @@ class GenerationReport:
         from what was counted; relative to the total, or to 0.1 if the total is less.
     errors
         The standard error of each value, as a BSDF of the same form. A 95 % interval is ±2.36 standard errors.
+    totals
+        For each component, the hemispherical totals of all incident cells as counted, before anything was merged, and
+        their standard errors, each (n_cells,). Cells count in Morton order, x first.
     lost
         Paths trapped in the device; they are missing from the result.
     tracing_seconds, reducing_seconds
@@ -71,6 +77,7 @@ class GenerationReport:
     error: float
     direction_error: float
     errors: Bsdf
+    totals: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
     lost: int
     tracing_seconds: float
     reducing_seconds: float
@@ -121,8 +128,8 @@ def generate(
         basis is ``"full"`` (145 patches), ``"half"`` (77), ``"half73"`` (as before 2022), ``"quarter"`` (41), or a
         list of rings from the normal outwards: lower and upper polar angle [degree] and number of patches.
     samples
-        Paths per incident cell and side, at most. By default 2000, or without limit if ``tolerance`` or ``time_budget``
-        is given.
+        Paths per incident cell and side, at most. By default 2000, or 2^20 if ``tolerance`` or ``time_budget`` is
+        given.
     tolerance
         Stop when the estimated relative error of the whole, Σ abs(error) / Σ BSDF over all finest cells, is this small,
         and ``direction_tolerance`` is kept too.
@@ -142,8 +149,9 @@ def generate(
     color
         Whether to keep colour.
     reciprocity
-        Whether to average pairs of directions with the same pairs swapped; by default, where the device's materials
-        are reciprocal, but for rank 3, where it cannot be done.
+        Whether to average pairs of directions with the same pairs swapped; by default, where both must be equal: all
+        materials are reciprocal, and the device repeats (``tile``) or is flat, so that no light leaves by its sides.
+        Not for rank 3.
     reuse
         Whether diffused light is followed to and from patches of surface, which all directions share, and corrected by
         full paths (trees of rank 4).
@@ -195,7 +203,7 @@ def generate(
         log2_res=log2_res,
         klems=klems if klems is None or isinstance(klems, str) else [(lower, upper, n) for lower, upper, n in klems],
         subdivide=subdivide,
-        samples=samples if samples is not None else 2000 if tolerance is None and time_budget is None else 2**32 - 1,
+        samples=samples if samples is not None else 2000 if tolerance is None and time_budget is None else 2**20,
         tolerance=tolerance,
         direction_tolerance=direction_tolerance,
         detail=detail,
@@ -239,6 +247,7 @@ def generate(
         done["error"],
         done["direction_error"],
         Bsdf(errors),
+        {key: (values, sigmas) for key, (values, sigmas) in done["totals"]},
         done["lost"],
         done["tracing_seconds"],
         done["reducing_seconds"],

@@ -16,7 +16,7 @@ use crate::diffuse::{Deposits, Laid, Reuse, Walker};
 use crate::estimate::Counted;
 use crate::generate::GenerateError;
 use crate::options::{Aperture, Options};
-use crate::path::{Outcome, Scene};
+use crate::path::{Departure, Outcome, Scene};
 use crate::progress::{Progress, Resumed};
 use crate::random::{N_REPLICATES, Start, Stratified};
 use crate::scatter::Spectrum;
@@ -60,7 +60,11 @@ impl<S: Spectrum> Counter<'_, S> {
         let n_sides = self.options.sides.iter().count() as u64;
         let each = match self.reuse {
             None => n_sides * samples,
-            Some(_) => 2 * samples + n_sides * Reuse::paths(&(0..samples)).end,
+            Some(_) => {
+                let all = 0..samples;
+                let unwanted = (2 - n_sides) * Reuse::unwanted(&all).end;
+                n_sides * (samples + Reuse::paths(&all).end) + unwanted
+            }
         };
         each * self.options.layout.n_incident() as u64
     }
@@ -146,7 +150,7 @@ impl<S: Spectrum> Counter<'_, S> {
     }
 
     pub fn walker<'s>(&'s self, reuse: &'s Reuse) -> Walker<'s, S> {
-        reuse.walker(&self.scene, self.tile.as_ref(), &self.options.layout, self.options.seed)
+        reuse.walker(&self.scene, self.tile.as_ref(), &self.options.layout, self.options)
     }
 
     fn paths_of(&self, place: &Place, round: &Range<u64>) -> u64 {
@@ -154,7 +158,7 @@ impl<S: Spectrum> Counter<'_, S> {
             true => Reuse::paths(round).count() as u64,
             false => 0,
         };
-        (round.end - round.start + more) * place.n_cells as u64
+        (walks(place, round).count() as u64 + more) * place.n_cells as u64
     }
 
     fn block(
@@ -170,7 +174,8 @@ impl<S: Spectrum> Counter<'_, S> {
         for cell in place.first_cell..place.first_cell + place.n_cells {
             match (walker, deposits.as_mut()) {
                 (Some(walker), Some(deposits)) => {
-                    block.lost += walker.count_walks(place.side, cell, round, tallies, deposits);
+                    block.lost +=
+                        walker.count_walks(place.side, cell, &walks(place, round), tallies, deposits);
                     if place.wanted {
                         drain(&mut block.rows, tallies);
                         block.lost += walker.count_diffused(place.side, cell, round, tallies);
@@ -205,32 +210,27 @@ impl<S: Spectrum> Counter<'_, S> {
         let margin = 1e-6 * (max[0] - min[0]).min(max[1] - min[1]);
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
         let points = Stratified::new(*seed, stream);
-        let mut lost = 0;
-        for sample in round {
-            let mut start = match stratified {
+        let departures = round.map(|sample| {
+            let Start { incident: [u, v], origin: [s, t], random } = match stratified {
                 true => points.start(*seed, stream, sample),
                 false => Start::independent(*seed, stream, sample),
             };
-            let [u, v] = start.incident;
-            let [s, t] = start.origin;
             let disk = layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
             let place = DVec3::new(min[0] + s * (max[0] - min[0]), min[1] + t * (max[1] - min[1]), z);
-            let origin = place - direction * margin;
-            match self.scene.follow(origin, direction, self.tile.as_ref(), &mut start.random) {
-                Outcome::Left(exitant, weight) => {
-                    let tally = if Side::of(exitant.to_array()) == side {
-                        &mut *reflected
-                    } else {
-                        &mut *transmitted
-                    };
-                    let replicate = (sample % N_REPLICATES as u64) as usize;
-                    tally.add(layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
-                }
-                Outcome::Absorbed => {}
-                Outcome::Lost => lost += 1,
+            let replicate = (sample % N_REPLICATES as u64) as usize;
+            Departure { origin: place - direction * margin, direction, random, tag: (disk, replicate) }
+        });
+        let mut lost = 0;
+        self.scene.follow_all(departures, self.tile.as_ref(), |(disk, replicate), outcome| match outcome {
+            Outcome::Left(exitant, weight) => {
+                let same_side = Side::of(exitant.to_array()) == side;
+                let tally = if same_side { &mut *reflected } else { &mut *transmitted };
+                tally.add(layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
             }
-        }
+            Outcome::Absorbed => {}
+            Outcome::Lost => lost += 1,
+        });
         lost
     }
 
@@ -243,6 +243,11 @@ impl<S: Spectrum> Counter<'_, S> {
             n_exitant: self.options.layout.n_exitant(),
         }
     }
+}
+
+/// Walks of a round from each cell of a block.
+fn walks(place: &Place, round: &Range<u64>) -> Range<u64> {
+    if place.wanted { round.clone() } else { Reuse::unwanted(round) }
 }
 
 /// Moves counts to rows of their own.

@@ -1,5 +1,6 @@
 //! From counted paths to trees or matrices, their standard errors, and how far they are from the truth.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use bsdftree::{Basis, Bsdf, Component, Matrix, Part, Scattering, Side};
@@ -16,6 +17,7 @@ use crate::reciprocity::averaged;
 use crate::reduce::{LAMBDA, Reducer};
 use crate::scatter::Spectrum;
 use crate::tally::{Exit, Row};
+use crate::totals::Totals;
 
 /// Counted paths of one side: reflected and transmitted rows, one for each incident cell.
 pub(crate) struct Counted<S> {
@@ -34,6 +36,7 @@ pub(crate) struct Estimated {
     pub error: f64,
     /// See [`Report::direction_error`](crate::Report::direction_error).
     pub direction_error: f64,
+    pub totals: Vec<Totals>,
 }
 
 /// How counted paths are made a BSDF.
@@ -83,12 +86,15 @@ impl<S: Spectrum> Estimator<'_, S> {
     pub fn estimated(&self, counted: &[Counted<S>], mut bsdf: Bsdf) -> Result<Estimated, GenerateError> {
         let mut errors = bsdf.clone();
         let (mut absolute, mut total, mut direction_error) = (0.0, 0.0, 0.0f64);
+        let mut all_totals = Vec::new();
         for Counted { side, .. } in counted {
             let parts = [*side, side.opposite()].map(|toward| Part::between(*side, toward));
             let rows = parts.map(|part| self.rows(counted, part));
-            let totals = [0, 1].map(|k| self.totals(&rows[k]));
-            let mean = totals.iter().flatten().sum::<f64>() / (std::f64::consts::PI * totals[0].len() as f64);
-            let headroom: Vec<f64> = totals[0].iter().zip(&totals[1]).map(|(a, b)| 1.0 - a - b).collect();
+            let totals = [0, 1].map(|k| self.totals(parts[k], &rows[k]));
+            let mean =
+                totals.iter().flat_map(|t| &t.values).sum::<f64>() / (PI * totals[0].values.len() as f64);
+            let headroom: Vec<f64> =
+                totals[0].values.iter().zip(&totals[1].values).map(|(a, b)| 1.0 - a - b).collect();
             for ((part, rows), totals) in parts.into_iter().zip(rows).zip(&totals) {
                 let estimate = match &self.options.layout {
                     Layout::Tree { .. } => self.trees(&rows, totals, &headroom, mean)?,
@@ -100,21 +106,28 @@ impl<S: Spectrum> Estimator<'_, S> {
                 total += estimate.total;
                 direction_error = direction_error.max(estimate.direction_error);
             }
+            all_totals.extend(totals);
         }
         let error = if total > 0.0 { absolute / total } else { 0.0 };
-        Ok(Estimated { bsdf, errors, error, direction_error })
+        Ok(Estimated { bsdf, errors, error, direction_error, totals: all_totals })
     }
 
     /// The light that leaves from each incident cell.
-    fn totals(&self, rows: &Rows<'_, S>) -> Vec<f64> {
-        let modelled = |i: usize| match &rows.model {
-            None => 0.0,
-            Some(model) => {
-                model.row(0, (i * model.n_cells() / rows.plain.len()) as u32, 0) * std::f64::consts::PI
-            }
+    fn totals(&self, part: Part, rows: &Rows<'_, S>) -> Totals {
+        let model = |i: usize| rows.model.as_ref().map(|m| (m, (i * m.n_cells() / rows.plain.len()) as u32));
+        let value = |(i, row): (usize, &Row<S>)| {
+            let counted = row.iter().map(|exit| exit.sum.luminance()).sum::<f64>() / self.n;
+            counted + model(i).map_or(0.0, |(model, i)| PI * model.row(0, i, 0))
         };
-        let counted = |row: &Row<S>| row.iter().map(|exit| exit.sum.luminance()).sum::<f64>() / self.n;
-        rows.plain.iter().enumerate().map(|(i, row)| counted(row) + modelled(i)).collect()
+        let error = |(i, row): (usize, &Row<S>)| {
+            standard_error(row, self.n)
+                .hypot(model(i).map_or(0.0, |(model, i)| PI * model.row_variance(i).sqrt()))
+        };
+        Totals {
+            part,
+            values: rows.plain.iter().enumerate().map(value).collect(),
+            errors: rows.plain.iter().enumerate().map(error).collect(),
+        }
     }
 
     fn rows<'c>(&self, counted: &'c [Counted<S>], part: Part) -> Rows<'c, S> {
@@ -142,7 +155,7 @@ impl<S: Spectrum> Estimator<'_, S> {
     fn trees(
         &self,
         rows: &Rows<'_, S>,
-        totals: &[f64],
+        totals: &Totals,
         headroom: &[f64],
         mean: f64,
     ) -> Result<Estimate, GenerateError> {
@@ -163,7 +176,7 @@ impl<S: Spectrum> Estimator<'_, S> {
         let kept = reducer.cheapest();
         let (kept, deviations) = match self.options.pruned {
             true => guarded(&reducer, kept, totals, headroom, self.options.direction_tolerance),
-            false => (kept, vec![0.0; totals.len()]),
+            false => (kept, vec![0.0; totals.values.len()]),
         };
         let Uncertainty { mut errors, mut absolute, total } = uncertainty(&reducer, &kept);
         let mut kept = kept;
@@ -189,14 +202,14 @@ impl<S: Spectrum> Estimator<'_, S> {
             errors: Component { luminance: errors.trees(rank, false)?.luminance.into(), chroma: None },
             absolute,
             total,
-            direction_error: self.direction_error(rows.plain, totals, &deviations),
+            direction_error: direction_error(totals, &deviations),
         })
     }
 
     fn matrices(
         &self,
         rows: &Rows<'_, S>,
-        totals: &[f64],
+        totals: &Totals,
         basis: &Arc<Basis>,
     ) -> Result<Estimate, GenerateError> {
         let areas: Vec<f64> = (0..basis.n_patches()).map(|k| basis.projected_solid_angle(k)).collect();
@@ -226,18 +239,17 @@ impl<S: Spectrum> Estimator<'_, S> {
         Ok(Estimate {
             absolute: MEAN_ABSOLUTE * sum(&errors),
             total: sum(&luminance),
-            direction_error: self.direction_error(rows.plain, totals, &vec![0.0; totals.len()]),
+            direction_error: direction_error(totals, &vec![0.0; totals.values.len()]),
             component: Component { luminance: luminance.into(), chroma },
             errors: Component { luminance: errors.into(), chroma: None },
         })
     }
+}
 
-    /// The largest error of an incident cell's total: the tree's deviation from what was counted, or the noise of that.
-    fn direction_error(&self, rows: &[Row<S>], totals: &[f64], deviations: &[f64]) -> f64 {
-        let noises = rows.iter().map(|row| STUDENT_95 * standard_error(row, self.n));
-        let errors = noises.zip(deviations).map(|(noise, deviation)| deviation.abs().max(noise));
-        errors.zip(totals).map(|(error, total)| error / total.max(LEAST_TOTAL)).fold(0.0, f64::max)
-    }
+/// The largest error of an incident cell's total: the tree's deviation from what was counted, or the noise of that.
+fn direction_error(totals: &Totals, deviations: &[f64]) -> f64 {
+    let errors = totals.errors.iter().zip(deviations).map(|(noise, off)| off.abs().max(STUDENT_95 * noise));
+    errors.zip(&totals.values).map(|(error, total)| error / total.max(LEAST_TOTAL)).fold(0.0, f64::max)
 }
 
 /// The model of a part at all levels.

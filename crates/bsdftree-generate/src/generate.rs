@@ -28,6 +28,7 @@ use crate::scatter::{Spectrum, is_neutral, is_reciprocal};
 use crate::schedule::{Stop, affordable, round_after};
 use crate::tally::Exit;
 use crate::tile::Tile;
+use crate::totals::Totals;
 
 /// Most memory that counted paths may take \[byte\].
 const MAX_BYTES: u64 = 8 << 30;
@@ -90,6 +91,8 @@ pub struct Report {
     /// The largest error of a hemispherical total of an incident cell (95 %, or what the tree departs from what was
     /// counted), relative to the total, or to 0.1 if that is more.
     pub direction_error: f64,
+    /// Hemispherical totals of each incident cell, and their standard errors.
+    pub totals: Vec<Totals>,
     /// Paths that never ended, which are missing from the result.
     pub lost: u64,
     /// Time spent following paths.
@@ -168,9 +171,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             }
         };
         let tile = options.tile.then(|| Tile::new(aperture));
-        let possible = !matches!(options.layout, Layout::Tree { rank: Rank::Three, .. })
-            && device.materials.iter().all(|m| is_reciprocal(&m.material));
-        let reciprocity = options.reciprocity.unwrap_or(possible);
+        let reciprocity = options.reciprocity.unwrap_or_else(|| is_symmetric(device, options, &aperture));
         let reuse = match options.reuse {
             true => Reuse::new(&scene, device, options, &aperture, tile.as_ref()),
             false => None,
@@ -237,7 +238,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             self.counter.progress.resume(Some(all));
         }
         let started = Instant::now();
-        let Estimated { bsdf, errors, error, direction_error } = match estimated {
+        let Estimated { bsdf, errors, error, direction_error, totals } = match estimated {
             Some(estimated) => estimated,
             None => self.estimated(&counts, samples)?,
         };
@@ -247,6 +248,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             stop,
             error,
             direction_error,
+            totals,
             lost: spent.lost,
             tracing: Duration::from_secs_f64(spent.seconds),
             reducing: reducing.max(started.elapsed()),
@@ -361,6 +363,18 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         };
         estimator.estimated(&counts.counted, Bsdf { header: self.header(), ..Bsdf::default() })
     }
+}
+
+/// Whether light sent back comes back as it went: materials are reciprocal, and no light leaves beside the aperture that it could
+/// not come in by.
+fn is_symmetric(device: &Device, options: &Options, aperture: &Aperture) -> bool {
+    let Aperture { min, max } = aperture;
+    let is_flat = max[2] - min[2] <= 1e-6 * (max[0] - min[0]).min(max[1] - min[1]);
+    let is_all =
+        device.bounds().is_some_and(|[low, high]| (0..3).all(|k| min[k] <= low[k] && high[k] <= max[k]));
+    !matches!(options.layout, Layout::Tree { rank: Rank::Three, .. })
+        && device.materials.iter().all(|m| is_reciprocal(&m.material))
+        && (options.tile || (is_flat && is_all))
 }
 
 fn bounding_box(device: &Device) -> Result<Aperture, GenerateError> {

@@ -9,13 +9,13 @@
 
 use rayon::prelude::*;
 
+use crate::errors::STUDENT_95;
 use crate::reduce::{Kept, Member, Reducer, Region};
 use crate::scatter::Spectrum;
+use crate::totals::Totals;
 
 /// |P − H| is tolerated relative to H, or to this if H is less.
 pub(crate) const LEAST_TOTAL: f64 = 0.1;
-/// Tolerated |P − H| relative to the standard error of H.
-const ERRORS: f64 = 3.0;
 /// Tolerated excess of all scattered light over what came in, for each of the two components that share it.
 const EXCESS: f64 = 0.004;
 /// Splitting ends by itself: each round deepens a leaf. This only bounds the time.
@@ -27,15 +27,15 @@ const MAX_ROUNDS: u32 = 40;
 pub(crate) fn guarded<S: Spectrum>(
     reducer: &Reducer<'_, S>,
     kept: Kept,
-    totals: &[f64],
+    totals: &Totals,
     headroom: &[f64],
     tolerance: f64,
 ) -> (Kept, Vec<f64>) {
     let (root, members) = reducer.root();
-    let limits = limits(reducer, &members, totals, headroom, tolerance);
+    let limits = limits(totals, headroom, tolerance);
     let mut leaves = Vec::new();
     let shape = flattened(reducer, kept, root, &members, &mut leaves);
-    let mut sums: Vec<f64> = totals.iter().map(|total| -total).collect();
+    let mut sums: Vec<f64> = totals.values.iter().map(|total| -total).collect();
     sums.iter_mut().enumerate().for_each(|(row, sum)| *sum += reducer.modelled_sum(row as u32, &root));
     members.iter().for_each(|&member| sums[member[0] as usize] += reducer.sums(member).0);
     leaves.iter().for_each(|leaf| leaf.contributions(reducer, |row, d| sums[row as usize] += d));
@@ -66,23 +66,10 @@ pub(crate) fn guarded<S: Spectrum>(
 }
 
 /// How much more, and how much less, than counted the tree may give each incident cell.
-fn limits<S: Spectrum>(
-    reducer: &Reducer<'_, S>,
-    members: &[Member],
-    totals: &[f64],
-    headroom: &[f64],
-    tolerance: f64,
-) -> Vec<[f64; 2]> {
-    let mut limits: Vec<f64> = totals.iter().map(|total| tolerance * total.max(LEAST_TOTAL)).collect();
-    for &member in members {
-        let limit = &mut limits[member[0] as usize];
-        *limit = limit.max(ERRORS * reducer.variance(member).sqrt());
-    }
-    limits
-        .iter()
-        .zip(headroom)
-        .map(|(limit, room)| [limit.min(0.5 * room.max(0.0) + EXCESS), *limit])
-        .collect()
+fn limits(totals: &Totals, headroom: &[f64], tolerance: f64) -> Vec<[f64; 2]> {
+    let limits = totals.values.iter().zip(&totals.errors);
+    let limits = limits.map(|(total, error)| (tolerance * total.max(LEAST_TOTAL)).max(STUDENT_95 * error));
+    limits.zip(headroom).map(|(limit, room)| [limit.min(0.5 * room.max(0.0) + EXCESS), limit]).collect()
 }
 
 /// A leaf of the tree with the counts that fell into it.

@@ -67,8 +67,8 @@ pub struct Options {
     pub sides: Sides,
     /// Whether to keep colour.
     pub color: bool,
-    /// Whether to average pairs travelled one way with the same pairs travelled the other way; by default, in rank-4 trees of
-    /// devices whose materials are reciprocal.
+    /// Whether to average pairs travelled one way with the same pairs travelled the other way; by default, where both must be equal (not
+    /// for rank 3): all materials are reciprocal, and the device repeats or is flat, so that no light leaves by its sides.
     pub reciprocity: Option<bool>,
     /// Whether light that is diffused is followed to and from patches of surface, and only corrected by full paths; rank-4
     /// trees only.

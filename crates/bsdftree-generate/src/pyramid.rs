@@ -17,6 +17,8 @@ pub(crate) struct Pyramid {
     levels: Vec<Level>,
     /// For each level of exitant blocks, their means for each single incident cell.
     rows: Vec<Vec<f32>>,
+    /// Of the mean over all exitant cells, for each finest incident cell.
+    row_variance: Vec<f32>,
     /// Means of the channels that luminance is made of, by level.
     channels: Vec<Vec<Vec<f32>>>,
     /// Of each channel, the luminance of one.
@@ -43,6 +45,7 @@ impl Pyramid {
             rows.push(pooled_exits(rows.last().expect("the finest"), 1 << (2 * level)));
         }
         rows.reverse();
+        let row_variance = row_variances(&half, n);
         let means = coarser(mean, log2);
         let channels = channels.into_iter().map(|channel| coarser(channel, log2)).collect();
         let halves = coarser(half, log2).into_iter().enumerate();
@@ -51,7 +54,7 @@ impl Pyramid {
             mean,
         };
         let levels = halves.zip(means).map(level).collect();
-        Pyramid { levels, rows, channels, luminances }
+        Pyramid { levels, rows, row_variance, channels, luminances }
     }
 
     /// Level of the finest blocks.
@@ -77,6 +80,11 @@ impl Pyramid {
     /// Mean over an exitant block for one finest incident cell.
     pub fn row(&self, level: u32, incident: u32, exitant: u64) -> f64 {
         f64::from(self.rows[level as usize][index(level, incident, exitant)])
+    }
+
+    /// Variance of the mean over all exitant cells for one finest incident cell.
+    pub fn row_variance(&self, incident: u32) -> f64 {
+        f64::from(self.row_variance[incident as usize])
     }
 
     /// Mean of each channel over a block.
@@ -119,6 +127,13 @@ fn pooled_exits(fine: &[f32], n: usize) -> Vec<f32> {
         out.iter_mut().zip(row.chunks_exact(4)).for_each(|(out, four)| *out = four.iter().sum::<f32>() / 4.0);
     });
     mean
+}
+
+/// Squares of rows' means, averaged over fours of neighbouring rows.
+fn row_variances(half: &[f32], n: usize) -> Vec<f32> {
+    let squares: Vec<f32> =
+        half.par_chunks(n).map(|row| (row.iter().sum::<f32>() / n as f32).powi(2)).collect();
+    squares.chunks(4).flat_map(|four| [four.iter().sum::<f32>() / 4.0; 4]).collect()
 }
 
 /// Variances of blocks: squares of half differences summed over the 16 blocks of one parent, and shared out in proportion to the
@@ -184,5 +199,6 @@ mod tests {
             assert!((mean - 1.0).abs() < 1e-5, "{level}: {mean}");
         }
         assert_eq!(pyramid.variance(0, 0, 0), 1.0);
+        assert_eq!(pyramid.row_variance(5), 1.0);
     }
 }

@@ -160,12 +160,6 @@ impl<S: Spectrum> Reducer<'_, S> {
         if t > 0.0 { q / t } else { 0.0 }
     }
 
-    /// Variance of the mean weight of a member.
-    pub fn variance(&self, member: Member) -> f64 {
-        let (t, q) = self.sums(member);
-        (q - t * t).max(0.0) / self.n
-    }
-
     /// Whether the model may differ within a region.
     fn has_detail(&self, region: &Region) -> bool {
         !self.residual && self.model.is_some_and(|model| region.level < model.log2())

@@ -256,13 +256,15 @@ fn pruning_and_reciprocity_keep_the_total_flux() {
         let Scattering::Tree(tree) = component.luminance else { unreachable!() };
         (tree.leaves().map(|l| f64::from(l.value) * 0.0625f64.powi(l.level as i32)).sum::<f64>() * PI, tree)
     };
-    let full = Options { samples: 300, pruned: false, sides: Sides::Front, ..tree(Rank::Four, 3) };
+    let full =
+        Options { samples: 300, pruned: false, reuse: false, sides: Sides::Front, ..tree(Rank::Four, 3) };
     let (expected, unpruned) = flux(&full);
-    let (pruned, tree) = flux(&Options { pruned: true, detail: Some(1.0), direction_tolerance: 1.0, ..full.clone() });
+    let (pruned, tree) =
+        flux(&Options { pruned: true, detail: Some(1.0), direction_tolerance: 1.0, ..full.clone() });
     assert!((pruned - expected).abs() < 1e-6 * expected, "{pruned} {expected}");
     assert!(tree.arena().n_leaves() < unpruned.arena().n_leaves() * 3 / 4);
     let (reciprocal, tree) = flux(&Options { pruned: false, reciprocity: Some(true), ..full });
-    assert!((reciprocal - expected).abs() < 1e-6 * expected);
+    assert!((reciprocal / expected - 1.0).abs() < 0.002, "{reciprocal} {expected}");
     let mut random = 1u64;
     let mut unit = || {
         random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -368,8 +370,8 @@ fn merging_cells_keeps_the_light_of_every_direction() {
             for lobes in [Lobes::Reflection, Lobes::Transmission] {
                 let total = |bsdf| visible(bsdf).hemispherical(incident, lobes);
                 let counted = total(&full);
-                // 5 %, or three standard errors of a count, or half a percent.
-                let noise = 3.0 * (counted * (1.0 - counted).max(0.0) / 1000.0).sqrt();
+                // 5 %, or four standard errors of a count, or half a percent.
+                let noise = 4.0 * (counted * (1.0 - counted).max(0.0) / 1000.0).sqrt();
                 let limit = (0.05 * counted).max(noise).max(0.005) + 1e-6;
                 assert!(
                     (total(&merged) - counted).abs() <= limit,

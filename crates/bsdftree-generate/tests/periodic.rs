@@ -62,8 +62,13 @@ fn a_tile_of_a_prismatic_panel_refracts_as_the_middle_of_a_large_one() {
 
 #[test]
 fn tiles_of_opaque_devices_let_nothing_through_and_tiles_of_lossless_ones_lose_nothing() {
-    let tree =
-        Options { tile: true, samples: 300, ..Options::new(Layout::Tree { rank: Rank::Four, log2_res: 3 }) };
+    let tree = Options {
+        tile: true,
+        samples: 300,
+        reuse: false,
+        reciprocity: Some(false),
+        ..Options::new(Layout::Tree { rank: Rank::Four, log2_res: 3 })
+    };
     let totals = |bsdf: &Bsdf, lobes| {
         let band = visible(bsdf).clone();
         (0..64).map(move |k| {

@@ -11,6 +11,7 @@ use bsdftree::bsdf::LengthUnit;
 use bsdftree::klems::Ring;
 use bsdftree_device::{Unit, Up, parametric};
 use bsdftree_generate::{Aperture, GenerateError, Generated, Layout, Options, Progress, Sides, Stop};
+use numpy::PyArray1;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -268,6 +269,15 @@ impl Generation {
         dict.set_item("stop", stop)?;
         dict.set_item("error", report.error)?;
         dict.set_item("direction_error", report.direction_error)?;
+        let totals: Vec<_> = report
+            .totals
+            .into_iter()
+            .map(|totals| {
+                let arrays = [totals.values, totals.errors].map(|v| PyArray1::from_vec(py, v));
+                (totals.part.key(), arrays)
+            })
+            .collect();
+        dict.set_item("totals", totals)?;
         dict.set_item("lost", report.lost)?;
         dict.set_item("tracing_seconds", report.tracing.as_secs_f64())?;
         dict.set_item("reducing_seconds", report.reducing.as_secs_f64())?;

@@ -69,7 +69,7 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     "--samples",
     type=int,
     metavar="N",
-    help="Paths per incident cell and side, at most. [default: 2000; no limit with --tolerance or --time-budget]",
+    help="Paths per incident cell and side, at most. [default: 2000; 2^20 with --tolerance or --time-budget]",
 )
 @click.option(
     "--tolerance",
@@ -254,7 +254,7 @@ def generate(
     if as_json:
         print_json(_summary(bsdf, output, report, seconds))
     else:
-        _show(bsdf, output, report, seconds)
+        _show(bsdf, output, report, seconds, tolerance)
         if checkpoint is not None:
             stderr.print(f"{checkpoint} keeps what was counted: more --samples go on from there", highlight=False)
 
@@ -296,7 +296,7 @@ def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds
     }
 
 
-def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> None:
+def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float, tolerance: float | None) -> None:
     values = sum(c.n_leaves if isinstance(c, bsdftree.Tree) else c.values.size for c in bsdf.components.values())
     rate = report.paths / max(report.tracing_seconds, 1e-9)
     stderr.print(
@@ -304,9 +304,10 @@ def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: f
         f"at {rate / 1e6:.2f} M/s, {seconds:.2f} s",
         highlight=False,
     )
+    missed = "tolerance not reached: " if tolerance is not None and report.stop == "samples" else ""
     reached = {"tolerance": "tolerance reached: ", "time": "time is over: ", "memory": "memory is used up: "}
     stderr.print(
-        f"{reached.get(report.stop, '')}{report.samples:,} samples per incident cell; estimated error "
+        f"{reached.get(report.stop, missed)}{report.samples:,} samples per incident cell; estimated error "
         f"{report.error:.1%} of the whole, {report.direction_error:.1%} of the worst direction's total",
         highlight=False,
     )

@@ -13,7 +13,7 @@ use super::sites::Sites;
 use super::walk::{Lobes, Meeting, walk};
 use crate::layout::Layout;
 use crate::path::{Outcome, Scene};
-use crate::random::{N_REPLICATES, Stratified};
+use crate::random::{N_REPLICATES, Start, Stratified};
 use crate::scatter::Spectrum;
 use crate::tile::Tile;
 
@@ -29,6 +29,8 @@ pub(crate) struct Walker<'a, S> {
     pub tile: Option<&'a Tile>,
     pub layout: &'a Layout,
     pub seed: u64,
+    /// Whether walks start from evenly spread points, or else from independent ones.
+    pub stratified: bool,
 }
 
 /// Sums over the walks of an incident cell, by site.
@@ -78,6 +80,15 @@ impl<S: Spectrum> Deposits<S> {
 }
 
 impl<S: Spectrum> Walker<'_, S> {
+    /// The start of walk `sample` of a stream, of which `points` are the even ones.
+    #[inline]
+    pub fn start(&self, points: &Stratified, seed: u64, stream: u64, sample: u64) -> Start {
+        match self.stratified {
+            true => points.start(seed, stream, sample),
+            false => Start::independent(seed, stream, sample),
+        }
+    }
+
     /// Walks from an incident cell of the layout in one of [`N_REPLICATES`] scramblings. Tells `left` the incident point of the
     /// disk, the direction and the weight of each that leaves; returns how many did not end.
     pub fn walk_cell(
@@ -97,7 +108,7 @@ impl<S: Spectrum> Walker<'_, S> {
         deposits.walks += walks.end - walks.start;
         self.walk_rest(side, cell, &walks, replicate, deposits);
         for k in walks {
-            let mut start = stratified.start(seed, stream, k * N_REPLICATES as u64 + replicate as u64);
+            let mut start = self.start(&stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
             let [u, v] = start.incident;
             let disk = self.layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
@@ -137,7 +148,7 @@ impl<S: Spectrum> Walker<'_, S> {
         let stratified = Stratified::new(seed, stream);
         let rims = rims(self.layout, cell);
         for k in rest {
-            let mut start = stratified.start(seed, stream, k * N_REPLICATES as u64 + replicate as u64);
+            let mut start = self.start(&stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
             let [(u, by_u), (v, by_v)] = [0, 1].map(|k| rims[k].crowded(start.incident[k]));
             let direction = toward(u, v);
             if let Some((ray, flux)) = self.entrance.through_rest(side, direction, start.origin) {

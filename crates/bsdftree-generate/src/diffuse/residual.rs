@@ -40,7 +40,7 @@ impl<S: Spectrum> Walker<'_, S> {
         let stratified = Stratified::new(seed, stream);
         let mut lost = 0;
         for path in paths {
-            let mut start = stratified.start(seed, stream, path);
+            let mut start = self.start(&stratified, seed, stream, path);
             let [u, v] = start.incident;
             let disk = self.layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));

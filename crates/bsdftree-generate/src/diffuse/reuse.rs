@@ -25,6 +25,9 @@ use crate::tile::Tile;
 /// Walks per full path. Few are needed: what they say is averaged over as many directions as agree.
 const WALKS_PER_PATH: u64 = 8;
 
+/// Walks per walk from a side that is not asked for.
+const PER_UNWANTED: u64 = 4;
+
 /// Walks between sites per walk from an incident cell, within these limits.
 const EXCHANGE: u64 = 4;
 const EXCHANGE_LIMITS: [u64; 2] = [512, 8192];
@@ -57,6 +60,11 @@ impl Reuse {
         round.start.div_ceil(WALKS_PER_PATH)..round.end.div_ceil(WALKS_PER_PATH)
     }
 
+    /// Numbers of the walks from a side that is not asked for, from which light only leaves.
+    pub fn unwanted(round: &Range<u64>) -> Range<u64> {
+        round.start.div_ceil(PER_UNWANTED)..round.end.div_ceil(PER_UNWANTED)
+    }
+
     /// Cells of the model of each side.
     pub fn n_cells(&self) -> usize {
         self.layout.n_incident()
@@ -72,9 +80,17 @@ impl Reuse {
         scene: &'a Scene<S>,
         tile: Option<&'a Tile>,
         layout: &'a Layout,
-        seed: u64,
+        options: &Options,
     ) -> Walker<'a, S> {
-        Walker { scene, sites: &self.sites, entrance: &self.entrance, tile, layout, seed }
+        Walker {
+            scene,
+            sites: &self.sites,
+            entrance: &self.entrance,
+            tile,
+            layout,
+            seed: options.seed,
+            stratified: options.stratified,
+        }
     }
 
     pub fn deposits<S: Spectrum>(&self) -> [Deposits<S>; 2] {

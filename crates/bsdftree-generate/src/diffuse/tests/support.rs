@@ -59,8 +59,15 @@ impl<S: Spectrum> Setup<S> {
 
     pub fn model_at(&self, sites: &Sites, walks: u64, exchanged: u64) -> Modelled<S> {
         let (tile, seed) = (self.tile.as_ref(), 11);
-        let walker =
-            Walker { scene: &self.scene, sites, entrance: &self.entrance, tile, layout: &self.layout, seed };
+        let walker = Walker {
+            scene: &self.scene,
+            sites,
+            entrance: &self.entrance,
+            tile,
+            layout: &self.layout,
+            seed,
+            stratified: true,
+        };
         let n = self.layout.n_exitant();
         let mut specular = [vec![0.0; 2 * n * n], vec![0.0; 2 * n * n]];
         let rows = [0, 1].map(|k| {
@@ -91,8 +98,15 @@ impl<S: Spectrum> Setup<S> {
     /// Rows of a side alone.
     pub fn rows(&self, sites: &Sites, side: Side, walks: u64, seed: u64) -> SideRows {
         let tile = self.tile.as_ref();
-        let walker =
-            Walker { scene: &self.scene, sites, entrance: &self.entrance, tile, layout: &self.layout, seed };
+        let walker = Walker {
+            scene: &self.scene,
+            sites,
+            entrance: &self.entrance,
+            tile,
+            layout: &self.layout,
+            seed,
+            stratified: true,
+        };
         let rows: Vec<[Row; 2]> = (0..self.layout.n_incident())
             .into_par_iter()
             .map(|cell| {
@@ -108,8 +122,15 @@ impl<S: Spectrum> Setup<S> {
 
     pub fn exchanged(&self, sites: &Sites, rows: [Option<SideRows>; 2], walks: u64, seed: u64) -> Model<S> {
         let tile = self.tile.as_ref();
-        let walker =
-            Walker { scene: &self.scene, sites, entrance: &self.entrance, tile, layout: &self.layout, seed };
+        let walker = Walker {
+            scene: &self.scene,
+            sites,
+            entrance: &self.entrance,
+            tile,
+            layout: &self.layout,
+            seed,
+            stratified: true,
+        };
         Model::new(&walker, &self.layout, rows, walks)
     }
 
