@@ -194,3 +194,42 @@ def test_every_family_is_drawn_explained_and_built():
         assert family.drawing.strip() and family.summary
         assert all(p.meaning for p in family.parameters)
         assert bsdftree.Device.from_spec(family.name).n_surfaces > 0
+
+
+def test_a_generation_that_stops_by_itself_has_the_bits_of_one_of_as_many_samples() -> None:
+    reports: list[bsdftree.GenerationReport] = []
+    stopped = bsdftree.generate("sawtooth", log2_res=3, tile=True, tolerance=0.1, report=reports.append)
+    (report,) = reports
+    assert report.stop == "tolerance" and report.error <= 0.1 and report.direction_error <= 0.05
+    # Detail follows from the tolerance, so it has to be said.
+    again = bsdftree.generate("sawtooth", log2_res=3, tile=True, samples=report.samples, detail=0.1)
+    for key, component in stopped.components.items():
+        assert np.array_equal(component.to_grid(3), again.components[key].to_grid(3)), key
+
+
+def test_values_and_totals_come_with_standard_errors() -> None:
+    reports: list[bsdftree.GenerationReport] = []
+    b = bsdftree.generate("blinds:angle=30", log2_res=3, samples=256, report=reports.append)
+    (report,) = reports
+    for key, component in b.components.items():
+        errors = report.errors.components[key]
+        assert errors.n_leaves <= component.n_leaves and (errors.to_grid(3) >= 0).all()
+        values, sigmas = report.totals[key]
+        assert values.shape == sigmas.shape == (64,)
+        assert ((values >= 0) & (values <= 1 + 3 * sigmas)).all()
+    assert 0 < report.error < 0.2
+
+
+def test_time_budgets_are_kept_about() -> None:
+    reports: list[bsdftree.GenerationReport] = []
+    bsdftree.generate("sawtooth", log2_res=4, time_budget=0.5, report=reports.append)
+    assert reports[0].stop == "time" and reports[0].samples >= 64
+
+
+@pytest.mark.parametrize(
+    ("option", "message"),
+    [({"tolerance": 0.0}, "tolerance"), ({"detail": -1.0}, "detail"), ({"sampling": "sobolev"}, "expected 'sobol'")],
+)
+def test_senseless_ways_to_stop_are_refused(option, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        bsdftree.generate("sawtooth", log2_res=2, samples=8, **option)
