@@ -209,7 +209,7 @@ impl<S: Spectrum> Counter<'_, S> {
         // Starting a little before the plane of the aperture, a ray meets also what lies in that plane.
         let margin = 1e-6 * (max[0] - min[0]).min(max[1] - min[1]);
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
-        let points = Stratified::new(*seed, stream);
+        let mut points = Stratified::new(*seed, stream);
         let departures = round.map(|sample| {
             let Start { incident: [u, v], origin: [s, t], random } = match stratified {
                 true => points.start(*seed, stream, sample),

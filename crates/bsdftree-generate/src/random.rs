@@ -115,6 +115,9 @@ pub const N_REPLICATES: usize = 8;
 #[derive(Clone, Debug)]
 pub struct Stratified {
     scrambles: [[u32; 8]; N_REPLICATES],
+    /// A point of the sequence before scrambling, and its number: neighbours differ by little.
+    number: u32,
+    point: [u32; 8],
 }
 
 /// Where a path starts, as a point of the incident cell's square and one of the aperture, and its random words.
@@ -137,25 +140,29 @@ impl Stratified {
         // The last blocks of the counter, which no path reaches, so that scramblings share no bits with paths.
         let mut random = Random::new(seed, cell, 0);
         random.counter[0] = u32::MAX - 2 * N_REPLICATES as u32;
-        Stratified { scrambles: [(); N_REPLICATES].map(|()| [(); 8].map(|()| random.next_u32())) }
+        let scrambles = [(); N_REPLICATES].map(|()| [(); 8].map(|()| random.next_u32()));
+        Stratified { scrambles, number: 0, point: [0; 8] }
     }
 
     /// The 32-bit fractions of point number `sample`, below 8 · 2³².
     #[inline]
-    fn point(&self, sample: u64) -> [u32; 8] {
+    fn point(&mut self, sample: u64) -> [u32; 8] {
         let scramble = &self.scrambles[(sample % N_REPLICATES as u64) as usize];
-        let (mut point, mut left) = ([0u32; 8], (sample / N_REPLICATES as u64) as u32);
-        while left != 0 {
-            let direction = &DIRECTIONS[left.trailing_zeros() as usize];
-            point = std::array::from_fn(|j| point[j] ^ direction[j]);
-            left &= left - 1;
+        let number = (sample / N_REPLICATES as u64) as u32;
+        // Points are linear in the bits of their numbers.
+        let mut changed = number ^ self.number;
+        while changed != 0 {
+            let direction = &DIRECTIONS[changed.trailing_zeros() as usize];
+            self.point = std::array::from_fn(|j| self.point[j] ^ direction[j]);
+            changed &= changed - 1;
         }
-        std::array::from_fn(|j| scrambled(point[j], scramble[j]).reverse_bits())
+        self.number = number;
+        std::array::from_fn(|j| scrambled(self.point[j], scramble[j]).reverse_bits())
     }
 
     /// The start of path `sample` of the cell and seed that `self` was made for.
     #[inline]
-    pub fn start(&self, seed: u64, cell: u64, sample: u64) -> Start {
+    pub fn start(&mut self, seed: u64, cell: u64, sample: u64) -> Start {
         let [u, v, s, t, words @ ..] = self.point(sample);
         let random = Random { block: words, used: 0, ..Random::new(seed, cell, sample) };
         Start { incident: [fraction(u), fraction(v)], origin: [fraction(s), fraction(t)], random }
@@ -320,7 +327,7 @@ mod tests {
     }
 
     fn mean(cell: u64, n: u64) -> f64 {
-        let points = Stratified::new(9, cell);
+        let mut points = Stratified::new(9, cell);
         (0..n).map(|k| smooth(numbers(&points.start(9, cell, k)))).sum::<f64>() / n as f64
     }
 
@@ -341,8 +348,8 @@ mod tests {
         let n = 8 * 32;
         let (mut of_means, mut mean_of) = (0.0, 0.0);
         for cell in 0..2000 {
-            let points = Stratified::new(2, cell);
-            let of = |r: u64| {
+            let mut points = Stratified::new(2, cell);
+            let mut of = |r: u64| {
                 (0..32).map(|k| smooth(numbers(&points.start(2, cell, 8 * k + r))) - 1.0).sum::<f64>() / 32.0
             };
             let replicates: [f64; 8] = std::array::from_fn(|r| of(r as u64));
@@ -379,7 +386,7 @@ mod tests {
     fn stratified_points_fill_every_elementary_interval() {
         // In each replicate, each coordinate in 2^10 intervals, and the incident square in each grid of 2^10 equal rectangles: one
         // point each.
-        let points = Stratified::new(7, 7);
+        let mut points = Stratified::new(7, 7);
         for replicate in 0..N_REPLICATES as u64 {
             let points: Vec<_> = (0..1024)
                 .map(|k| numbers(&points.start(7, 7, k * N_REPLICATES as u64 + replicate)))

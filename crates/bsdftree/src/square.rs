@@ -7,7 +7,7 @@
 //! Deviation: the paper's four sectors are folded into one by symmetry (the larger coordinate is ±r, the
 //! smaller one r·(4/π)·φ within the sector), which gives the same points without branches on the angle.
 
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_4};
 
 /// The point of the unit disk over a point of the square.
 #[inline]
@@ -33,10 +33,48 @@ pub fn square_from_disk([x, y]: [f64; 2]) -> [f64; 2] {
         return [0.5, 0.5];
     }
     let along = r.copysign(major);
-    let across = (r * (minor / major).abs().atan() / FRAC_PI_4).copysign(minor);
+    let across = (r * eighths(minor.abs(), major.abs())).copysign(minor);
     let (a, b) = if x_leads { (along, across) } else { (across, along) };
     [0.5 * (a + 1.0), 0.5 * (b + 1.0)]
 }
+
+/// (4/π)·atan(minor/major) for 0 ≤ minor ≤ major, within 3e-16. The same bits on every machine, and without the branches of the
+/// platform's function. Above tan(π/8) the angle is taken from π/4: atan t = π/4 + atan((t − 1)/(t + 1)). What is left of the series,
+/// atan(u)/u over u² up to tan²(π/8), is its Chebyshev approximation of degree 11, off by 1.3e-18.
+#[inline]
+fn eighths(minor: f64, major: f64) -> f64 {
+    const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
+    const SERIES: [f64; 12] = [
+        1.0,
+        -0.333_333_333_333_331_209,
+        0.199_999_999_999_408_373,
+        -0.142_857_142_792_449_685,
+        0.111_111_107_446_570_996,
+        -0.090_908_968_014_728_134,
+        0.076_920_451_945_614_815,
+        -0.066_629_502_460_367_913,
+        0.058_468_667_522_751_390,
+        -0.050_350_497_953_124_393,
+        0.037_963_903_161_110_833,
+        -0.017_803_896_394_812_563,
+    ];
+    let far = minor > TAN_PI_8 * major;
+    let (above, below) = if far { (minor - major, minor + major) } else { (minor, major) };
+    let u = above / below;
+    let (q, square) = (u * u, (u * u) * (u * u));
+    let c = &SERIES;
+    // Thirds side by side: fewer steps that wait for one another.
+    let part = |k: usize| c[k] + q * c[k + 1];
+    let low = part(0) + square * part(2);
+    let middle = part(4) + square * part(6);
+    let high = part(8) + square * part(10);
+    let (fourth, eighth) = (square * square, (square * square) * (square * square));
+    let angle = u * (low + fourth * middle + eighth * high);
+    angle * FRAC_4_PI + if far { 1.0 } else { 0.0 }
+}
+
+/// 4/π.
+const FRAC_4_PI: f64 = 4.0 * FRAC_1_PI;
 
 /// sin and cos of an angle in [0, π/4], within 2e-16: Taylor polynomials, whose last terms are below the rounding of the first. The
 /// same bits on every machine, and six times as fast as the platform's functions.
@@ -129,6 +167,16 @@ mod tests {
             let q = square_from_disk(disk_from_square(p));
             assert!((p[0] - q[0]).abs() < 1e-14 && (p[1] - q[1]).abs() < 1e-14, "{p:?} {q:?}");
         }
+    }
+
+    #[test]
+    fn the_angle_is_that_of_the_platform() {
+        for k in 0..=100_000 {
+            let t = f64::from(k) / 100_000.0;
+            let error = eighths(3.0 * t, 3.0) - t.atan() / FRAC_PI_4;
+            assert!(error.abs() < 4e-16, "{t}: {error:e}");
+        }
+        assert_eq!([eighths(0.0, 0.7), eighths(0.7, 0.7)], [0.0, 1.0]);
     }
 
     #[test]

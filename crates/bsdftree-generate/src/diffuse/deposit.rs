@@ -82,7 +82,7 @@ impl<S: Spectrum> Deposits<S> {
 impl<S: Spectrum> Walker<'_, S> {
     /// The start of walk `sample` of a stream, of which `points` are the even ones.
     #[inline]
-    pub fn start(&self, points: &Stratified, seed: u64, stream: u64, sample: u64) -> Start {
+    pub fn start(&self, points: &mut Stratified, seed: u64, stream: u64, sample: u64) -> Start {
         match self.stratified {
             true => points.start(seed, stream, sample),
             false => Start::independent(seed, stream, sample),
@@ -102,13 +102,13 @@ impl<S: Spectrum> Walker<'_, S> {
     ) -> u64 {
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
         let seed = self.seed ^ WALKS;
-        let stratified = Stratified::new(seed, stream);
+        let mut stratified = Stratified::new(seed, stream);
         let outermost = f64::from(u8::from(self.entrance.is_outermost(side)));
         let mut lost = 0;
         deposits.walks += walks.end - walks.start;
         self.walk_rest(side, cell, &walks, replicate, deposits);
         for k in walks {
-            let mut start = self.start(&stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
+            let mut start = self.start(&mut stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
             let [u, v] = start.incident;
             let disk = self.layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
@@ -145,10 +145,10 @@ impl<S: Spectrum> Walker<'_, S> {
         let share = (walks.end - walks.start) as f64 / (rest.end - rest.start) as f64;
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
         let seed = self.seed ^ REST;
-        let stratified = Stratified::new(seed, stream);
+        let mut stratified = Stratified::new(seed, stream);
         let rims = rims(self.layout, cell);
         for k in rest {
-            let mut start = self.start(&stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
+            let mut start = self.start(&mut stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
             let [(u, by_u), (v, by_v)] = [0, 1].map(|k| rims[k].crowded(start.incident[k]));
             let direction = toward(u, v);
             if let Some((ray, flux)) = self.entrance.through_rest(side, direction, start.origin) {

@@ -68,7 +68,7 @@ fn row<S: Spectrum>(walker: &Walker<S>, site: usize, walks: u64, replicate: usiz
     let (points, medium) = (sites.points(site), sites.medium(site));
     let mut sums = vec![S::BLACK; sites.len()];
     let (seed, stream) = (walker.seed ^ EXCHANGE, site as u64);
-    let stratified = Stratified::new(seed, stream);
+    let mut stratified = Stratified::new(seed, stream);
     for k in 0..walks {
         let mut start = stratified.start(seed, stream, k * N_REPLICATES as u64 + replicate as u64);
         let point = &points[(start.origin[0] * points.len() as f64) as usize];

@@ -107,7 +107,7 @@ impl<S: Spectrum> Pilot<'_, S> {
         let layout = Layout::Tree { rank: Rank::Four, log2_res: LOG2_PILOT };
         let seed = self.seed ^ PILOT;
         let stream = u64::from(origin);
-        let stratified = Stratified::new(seed, stream);
+        let mut stratified = Stratified::new(seed, stream);
         let mut events = Vec::new();
         for sample in 0..2 * n_paths {
             let mut start = stratified.start(seed, stream, sample);

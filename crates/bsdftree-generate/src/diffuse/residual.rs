@@ -37,10 +37,10 @@ impl<S: Spectrum> Walker<'_, S> {
     ) -> u64 {
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
         let seed = self.seed ^ RESIDUAL;
-        let stratified = Stratified::new(seed, stream);
+        let mut stratified = Stratified::new(seed, stream);
         let mut lost = 0;
         for path in paths {
-            let mut start = self.start(&stratified, seed, stream, path);
+            let mut start = self.start(&mut stratified, seed, stream, path);
             let [u, v] = start.incident;
             let disk = self.layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));

@@ -141,7 +141,7 @@ impl<S: Spectrum> Setup<S> {
             .into_par_iter()
             .map(|cell| {
                 let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
-                let stratified = Stratified::new(5, stream);
+                let mut stratified = Stratified::new(5, stream);
                 let mut batches = vec![vec![0.0; 2 * n]; N_REPLICATES];
                 for sample in 0..paths {
                     let mut start = stratified.start(5, stream, sample);
