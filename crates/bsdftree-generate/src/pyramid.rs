@@ -10,6 +10,8 @@ use rayon::prelude::*;
 struct Level {
     mean: Vec<f32>,
     variance: Vec<f32>,
+    /// Mean squares of the finest cells; none at the finest level.
+    square: Vec<f32>,
 }
 
 /// The model of one component.
@@ -46,14 +48,20 @@ impl Pyramid {
         }
         rows.reverse();
         let row_variance = row_variances(&half, n);
+        let squares = coarser(mean.par_iter().map(|m| m * m).collect(), log2);
         let means = coarser(mean, log2);
         let channels = channels.into_iter().map(|channel| coarser(channel, log2)).collect();
         let halves = coarser(half, log2).into_iter().enumerate();
-        let level = |((level, half), mean): ((usize, Vec<f32>), Vec<f32>)| Level {
-            variance: among_siblings(level, &half, &mean),
-            mean,
-        };
-        let levels = halves.zip(means).map(level).collect();
+        let mut levels: Vec<_> = halves
+            .zip(means)
+            .zip(squares)
+            .map(|(((level, half), mean), square)| Level {
+                variance: among_siblings(level, &half, &mean),
+                mean,
+                square,
+            })
+            .collect();
+        levels[log2 as usize].square = Vec::new();
         Pyramid { levels, rows, row_variance, channels, luminances }
     }
 
@@ -70,6 +78,14 @@ impl Pyramid {
     /// Mean over a block.
     pub fn mean(&self, level: u32, incident: u32, exitant: u64) -> f64 {
         f64::from(self.levels[level as usize].mean[index(level, incident, exitant)])
+    }
+
+    /// Mean over a block of the squares of its finest cells.
+    pub fn mean_square(&self, level: u32, incident: u32, exitant: u64) -> f64 {
+        match level == self.log2() {
+            true => self.mean(level, incident, exitant).powi(2),
+            false => f64::from(self.levels[level as usize].square[index(level, incident, exitant)]),
+        }
     }
 
     /// Variance of the mean over a block.
@@ -185,6 +201,10 @@ mod tests {
         near(pyramid.mean(0, 0, 0), mean(0..16, 0..16));
         near(pyramid.mean(1, 2, 3), mean(8..12, 12..16));
         near(pyramid.mean(2, 5, 9), mean(5..6, 9..10));
+        let cells = (8..12).flat_map(|i| (12..16).map(move |o| i * 16 + o));
+        let square = cells.map(|k| f64::from(a[k] + 1.0).powi(2));
+        near(pyramid.mean_square(1, 2, 3) / (square.sum::<f64>() / 16.0), 1.0);
+        near(pyramid.mean_square(2, 5, 9), mean(5..6, 9..10).powi(2));
         near(pyramid.row(0, 7, 0), mean(7..8, 0..16));
         near(pyramid.row(1, 7, 2), mean(7..8, 8..12));
         near(pyramid.channels(1, 2, 3).next().unwrap(), mean(8..12, 12..16));

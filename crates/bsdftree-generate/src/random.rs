@@ -114,7 +114,10 @@ pub const N_REPLICATES: usize = 8;
 /// itself is uniform, so that a mean over any number of points is unbiased; it is best over a power of two in each sequence.
 #[derive(Clone, Debug)]
 pub struct Stratified {
-    scrambles: [[u32; 8]; N_REPLICATES],
+    /// The first of the words that scramble.
+    words: Random,
+    /// The scramblings, each drawn when first used.
+    scrambles: [Option<[u32; 8]>; N_REPLICATES],
     /// A point of the sequence before scrambling, and its number: neighbours differ by little.
     number: u32,
     point: [u32; 8],
@@ -138,16 +141,31 @@ impl Stratified {
     /// If `cell` is not below [`NUMBER_LIMIT`].
     pub fn new(seed: u64, cell: u64) -> Self {
         // The last blocks of the counter, which no path reaches, so that scramblings share no bits with paths.
-        let mut random = Random::new(seed, cell, 0);
-        random.counter[0] = u32::MAX - 2 * N_REPLICATES as u32;
-        let scrambles = [(); N_REPLICATES].map(|()| [(); 8].map(|()| random.next_u32()));
-        Stratified { scrambles, number: 0, point: [0; 8] }
+        let mut words = Random::new(seed, cell, 0);
+        words.counter[0] = u32::MAX - 2 * N_REPLICATES as u32;
+        Stratified { words, scrambles: [None; N_REPLICATES], number: 0, point: [0; 8] }
+    }
+
+    /// The eight words of a replicate.
+    #[inline]
+    fn scramble(&mut self, replicate: usize) -> [u32; 8] {
+        match self.scrambles[replicate] {
+            Some(scramble) => scramble,
+            None => self.drawn(replicate),
+        }
+    }
+
+    #[cold]
+    fn drawn(&mut self, replicate: usize) -> [u32; 8] {
+        let mut words = self.words.clone();
+        words.counter[0] += 2 * replicate as u32;
+        *self.scrambles[replicate].insert([(); 8].map(|()| words.next_u32()))
     }
 
     /// The 32-bit fractions of point number `sample`, below 8 · 2³².
     #[inline]
     fn point(&mut self, sample: u64) -> [u32; 8] {
-        let scramble = &self.scrambles[(sample % N_REPLICATES as u64) as usize];
+        let scramble = self.scramble((sample % N_REPLICATES as u64) as usize);
         let number = (sample / N_REPLICATES as u64) as u32;
         // Points are linear in the bits of their numbers.
         let mut changed = number ^ self.number;
@@ -364,7 +382,9 @@ mod tests {
     fn scramblings_of_a_cell_are_no_numbers_of_its_paths() {
         let mut path = Random::new(3, 8, 0);
         let words: Vec<u32> = (0..1000).map(|_| path.next_u32()).collect();
-        assert!(!Stratified::new(3, 8).scrambles.iter().flatten().any(|word| words.contains(word)));
+        let mut points = Stratified::new(3, 8);
+        let scrambles: Vec<u32> = (0..N_REPLICATES).flat_map(|r| points.scramble(r)).collect();
+        assert!(!scrambles.iter().any(|word| words.contains(word)));
     }
 
     #[test]

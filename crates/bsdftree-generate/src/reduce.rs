@@ -184,6 +184,13 @@ impl<S: Spectrum> Reducer<'_, S> {
         Moments { value: model.mean(level, i, o), variance: model.variance(level, i, o) }
     }
 
+    /// Mean of the squares of the model's cells in a region.
+    fn modelled_square(&self, region: &Region) -> f64 {
+        let Some(model) = self.model else { return 0.0 };
+        let (level, i, o) = self.block(model, region);
+        model.mean_square(level, i, o)
+    }
+
     /// Light that the model sends from one incident cell into the exitant cells of a region.
     pub fn modelled_sum(&self, row: u32, region: &Region) -> f64 {
         let Some(model) = self.model else { return 0.0 };
@@ -261,6 +268,14 @@ impl<S: Spectrum> Reducer<'_, S> {
                 cost: LAMBDA * size * variance + self.price,
                 squares: size * value * value,
             };
+        }
+        if members.is_empty() && self.pruned && self.price > 0.0 && !self.residual {
+            // Splitting costs the price of the children at least: most of a smooth model is never looked at more closely.
+            let squares = size * self.modelled_square(&region);
+            let merged = (squares - size * value * value).max(0.0) + LAMBDA * size * variance + self.price;
+            if merged <= self.rank.n_children() as f64 * self.price {
+                return Estimate { kept: self.leaf(value, &region, members), cost: merged, squares };
+            }
         }
         let split = self.split(region, members);
         let merged = (split.squares - size * value * value).max(0.0) + LAMBDA * size * variance + self.price;
