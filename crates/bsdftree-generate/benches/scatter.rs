@@ -27,7 +27,7 @@ fn random_numbers(c: &mut Criterion) {
             philox4x32(counter, black_box([1, 2]))
         });
     });
-    let points = Stratified::new(1, 2);
+    let mut points = Stratified::new(1, 2);
     let mut sample = 0;
     group.bench_function("stratified point", |b| {
         b.iter(|| {
