@@ -174,6 +174,8 @@ class Bsdf:
         The unit of length in the file: meter, foot, inch, centimeter or millimeter.
     geometry : str or None
         Device geometry in the file, as MGF text.
+    properties : dict of str
+        What else the file says of the material: ``DeviceType`` if it is not ``Other``, ``ThermalConductivity`` and so on.
     provenance : list of str
         How it was made: comments at the head of the file.
     repairs : list of str
@@ -193,6 +195,7 @@ class Bsdf:
         self.unit: str = header["unit"]
         self.geometry: str | None = header["geometry"]
         self.provenance: list[str] = header["provenance"]
+        self.properties: dict[str, str] = dict(header["properties"])
         self.repairs: list[str] = core.repairs
         self.bands: list[str] = core.bands
 
@@ -213,7 +216,7 @@ class Bsdf:
         >>> round(float(b.hemispherical([0, 0, 1])), 4)
         0.8
         """
-        return cls(_core.Bsdf.from_trees({key: tree._core for key, tree in trees.items()}))
+        return cls(_core.Bsdf.of_components({key: [tree._core] for key, tree in trees.items()}))
 
     def with_header(
         self,
@@ -222,9 +225,34 @@ class Bsdf:
         manufacturer: str | None = None,
         unit: str | None = None,
         provenance: list[str] | None = None,
+        size: tuple[float | None, float | None, float | None] | None = None,
+        geometry: tuple[str, str] | None = None,
+        properties: Mapping[str, str] | None = None,
     ) -> Bsdf:
-        """Return a copy with some of the header replaced."""
-        return Bsdf(self._core.with_header(name, manufacturer, unit, provenance))
+        """Return a copy with some of the header replaced.
+
+        Parameters
+        ----------
+        name, manufacturer
+            Of the product.
+        unit
+            Of lengths in the file: meter, foot, inch, centimeter or millimeter.
+        provenance
+            Comments at the head of the file.
+        size
+            Width, height and thickness [m].
+        geometry
+            MGF text, none if empty, and its unit of length.
+        properties
+            What else the file says of the material, by element, such as ``ThermalConductivity``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such unit, or a file can hold no such property.
+        """
+        others = None if properties is None else list(properties.items())
+        return Bsdf(self._core.with_header(name, manufacturer, unit, provenance, size, geometry, others))
 
     @property
     def components(self) -> dict[str, Tree | Matrix]:

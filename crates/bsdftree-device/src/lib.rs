@@ -24,12 +24,13 @@
 //! # Ok::<(), bsdftree_device::DeviceError>(())
 //! ```
 //!
-//! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`material`], [`shape`], [`device`], `rad` (scene
+//! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`options`], [`material`], [`shape`], [`device`], `rad` (scene
 //! files), [`parametric`].
 
 pub mod device;
 pub mod error;
 pub mod material;
+pub mod options;
 pub mod parametric;
 mod rad;
 pub mod shape;
@@ -40,6 +41,7 @@ pub mod up;
 pub use device::{Device, NamedMaterial, Surface};
 pub use error::{DeviceError, Place};
 pub use material::Material;
+pub use options::ReadOptions;
 pub use shape::Shape;
 pub use unit::Unit;
 pub use up::Up;

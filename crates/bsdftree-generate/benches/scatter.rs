@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use bsdftree_device::material::{Gloss, GlossKind, Material, Medium};
 use bsdftree_generate::random::{Random, Stratified, philox4x32};
-use bsdftree_generate::scatter::{PreparedMaterial, Spectrum};
+use bsdftree_generate::scatter::{Meeting, PreparedMaterial, Spectrum};
 use criterion::{Criterion, criterion_group, criterion_main};
 use glam::DVec3;
 
@@ -45,7 +45,7 @@ fn bench_material<S: Spectrum>(c: &mut Criterion, name: &str, material: &Materia
     let incoming = DVec3::new(0.6, 0.0, -0.8);
     let mut random = Random::new(1, 2, 3);
     c.bench_function(name, |b| {
-        b.iter(|| prepared.scatter(black_box(normal), black_box(incoming), &mut random))
+        b.iter(|| prepared.scatter(&Meeting::new(black_box(normal), black_box(incoming)), &mut random))
     });
 }
 

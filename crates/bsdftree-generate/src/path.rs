@@ -11,7 +11,7 @@ use glam::DVec3;
 
 use crate::bvh::{Bvh, BvhError, Hit, Ray};
 use crate::random::Random;
-use crate::scatter::{PreparedMaterial, Spectrum, attenuation};
+use crate::scatter::{Meeting, PreparedMaterial, Spectrum, attenuation};
 use crate::tile::Tile;
 
 pub use wave::Departure;
@@ -103,6 +103,7 @@ impl<S: Spectrum> Scene<S> {
             if let Some(transmittance) = path.medium {
                 path.weight = path.weight * attenuation::<S>(transmittance, t);
             }
+            path.traveled += t;
             return path.go_on(again);
         }
         let Some(hit) = hit else { return Some(Outcome::Left(ray.direction, path.weight)) };
@@ -111,7 +112,9 @@ impl<S: Spectrum> Scene<S> {
         if let Some(transmittance) = material.medium(hit.front).or(path.medium) {
             weight = weight * attenuation::<S>(transmittance, hit.t);
         }
-        let Some(scatter) = material.scatter(hit.normal, ray.direction, random) else {
+        let meeting = Meeting::of(&ray, &hit, path.traveled);
+        path.traveled = meeting.traveled;
+        let Some(scatter) = material.scatter(&meeting, random) else {
             return Some(Outcome::Absorbed);
         };
         weight = weight * scatter.weight;
@@ -137,13 +140,16 @@ struct Path<S> {
     weight: S,
     /// Transmittance \[1/m\] of what it is in, if not air.
     medium: Option<DVec3>,
+    /// Its length so far \[m\].
+    traveled: f64,
     bounces: u32,
 }
 
 impl<S: Spectrum> Path<S> {
     #[inline(always)]
     fn new(origin: DVec3, direction: DVec3) -> Path<S> {
-        Path { ray: Ray { origin, direction, from: None }, weight: S::WHITE, medium: None, bounces: 0 }
+        let ray = Ray { origin, direction, from: None };
+        Path { ray, weight: S::WHITE, medium: None, traveled: 0.0, bounces: 0 }
     }
 
     /// `None`, unless this was the last bounce allowed.

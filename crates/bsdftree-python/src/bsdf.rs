@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use bsdftree::bsdf::LengthUnit;
 use bsdftree::xml::{self, Fault, Strictness};
-use bsdftree::{Band, Component, Direction, Lobes, Part, Scattering};
+use bsdftree::{Band, Direction, Geometry, Header, Lobes, Part};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -128,26 +128,47 @@ impl Bsdf {
         dict.set_item("unit", header.unit.file_name())?;
         dict.set_item("geometry", header.geometry.as_ref().map(|g| g.mgf.as_str()))?;
         dict.set_item("provenance", &header.provenance)?;
+        dict.set_item("properties", &header.properties)?;
         Ok(dict)
     }
 
-    /// A copy with some of the header replaced.
-    #[pyo3(signature = (name=None, manufacturer=None, unit=None, provenance=None))]
+    /// A copy with some of the header replaced; `size` is width, height and thickness \[m\], `geometry` MGF text (none if empty) and its unit.
+    #[pyo3(signature = (name=None, manufacturer=None, unit=None, provenance=None, size=None, geometry=None, properties=None))]
+    #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
     fn with_header(
         &self,
         name: Option<String>,
         manufacturer: Option<String>,
         unit: Option<&str>,
         provenance: Option<Vec<String>>,
+        size: Option<[Option<f64>; 3]>,
+        geometry: Option<(String, String)>,
+        properties: Option<Vec<(String, String)>>,
     ) -> PyResult<Bsdf> {
+        let unit_of = |name: &str| {
+            LengthUnit::from_name(name).ok_or_else(|| PyValueError::new_err(format!("no unit {name:?}")))
+        };
         let mut bsdf = self.bsdf.clone();
         let header = &mut bsdf.header;
         header.name = name.unwrap_or_else(|| std::mem::take(&mut header.name));
         header.manufacturer = manufacturer.unwrap_or_else(|| std::mem::take(&mut header.manufacturer));
         header.provenance = provenance.unwrap_or_else(|| std::mem::take(&mut header.provenance));
         if let Some(unit) = unit {
-            header.unit = LengthUnit::from_name(unit)
-                .ok_or_else(|| PyValueError::new_err(format!("no unit {unit:?}")))?;
+            header.unit = unit_of(unit)?;
+        }
+        if let Some(size) = size {
+            [header.width, header.height, header.thickness] = size;
+        }
+        if let Some((mgf, unit)) = geometry {
+            let unit = unit_of(&unit)?;
+            header.geometry = (!mgf.trim().is_empty()).then_some(Geometry { mgf, unit });
+        }
+        if let Some(properties) = properties {
+            if let Some((name, _)) = properties.iter().find(|(name, _)| !Header::is_property(name)) {
+                let message = format!("{name:?} cannot be a property of a material in the file");
+                return Err(PyValueError::new_err(message));
+            }
+            header.properties = properties;
         }
         Ok(Bsdf { bsdf, repairs: self.repairs.clone() })
     }
@@ -164,17 +185,16 @@ impl Bsdf {
             .collect()
     }
 
-    /// A BSDF of one band with one component, for trees made from grids.
+    /// A BSDF of the band Visible: by component, luminance, or luminance and both chroma.
     #[staticmethod]
-    fn from_trees(trees: BTreeMap<String, PyRef<'_, component::Tree>>) -> PyResult<Bsdf> {
+    fn of_components(components: BTreeMap<String, Vec<component::Function<'_>>>) -> PyResult<Bsdf> {
         let mut bsdf = bsdftree::Bsdf::default();
-        for (key, tree) in trees {
+        for (key, functions) in components {
             let part = Part::ALL.into_iter().find(|p| p.key() == key).ok_or_else(|| {
                 let keys: Vec<_> = Part::ALL.iter().map(|p| p.key()).collect();
                 PyValueError::new_err(format!("no component {key:?}; expected one of {}", keys.join(", ")))
             })?;
-            bsdf.band_mut("Visible")
-                .insert(part, Component::grey(Scattering::Tree(std::sync::Arc::clone(&tree.0))));
+            bsdf.band_mut("Visible").insert(part, component::component(&functions)?);
         }
         Ok(Bsdf { bsdf, repairs: Vec::new() })
     }

@@ -7,6 +7,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::value_error;
+
 /// A tensor tree.
 #[pyclass(frozen, module = "bsdftree")]
 pub struct Tree(pub Arc<bsdftree::Tree>);
@@ -80,7 +82,8 @@ impl Tree {
 #[pyclass(frozen, module = "bsdftree")]
 pub struct Matrix(pub Arc<bsdftree::Matrix>);
 
-fn rings(basis: &Basis) -> Vec<(f64, f64, u32)> {
+/// Rings of a basis: lower and upper polar angle \[degree\] and number of patches.
+pub fn rings(basis: &Basis) -> Vec<(f64, f64, u32)> {
     basis.rings().iter().map(|r| (r.bounds_deg[0], r.bounds_deg[1], r.n_phi)).collect()
 }
 
@@ -128,11 +131,45 @@ impl Matrix {
     }
 }
 
-fn scattering<'py>(py: Python<'py>, scattering: &Scattering) -> PyResult<Bound<'py, PyAny>> {
+/// A tree or a matrix by itself.
+pub fn scattering<'py>(py: Python<'py>, scattering: &Scattering) -> PyResult<Bound<'py, PyAny>> {
     Ok(match scattering {
         Scattering::Tree(tree) => Bound::new(py, Tree(Arc::clone(tree)))?.into_any(),
         Scattering::Matrix(matrix) => Bound::new(py, Matrix(Arc::clone(matrix)))?.into_any(),
     })
+}
+
+/// A tree or a matrix, as it comes from Python.
+#[derive(FromPyObject)]
+pub enum Function<'py> {
+    Tree(PyRef<'py, Tree>),
+    Matrix(PyRef<'py, Matrix>),
+}
+
+impl From<&Function<'_>> for Scattering {
+    fn from(function: &Function<'_>) -> Scattering {
+        match function {
+            Function::Tree(tree) => Scattering::Tree(Arc::clone(&tree.0)),
+            Function::Matrix(matrix) => Scattering::Matrix(Arc::clone(&matrix.0)),
+        }
+    }
+}
+
+/// A component of luminance, or of luminance and both chroma.
+pub fn component(functions: &[Function<'_>]) -> PyResult<Component> {
+    let functions: Vec<Scattering> = functions.iter().map(Scattering::from).collect();
+    if functions.iter().any(|f| !f.has_domain_of(&functions[0])) {
+        return Err(value_error(
+            "luminance and chroma of different kinds; expected trees of one rank or matrices over one basis",
+        ));
+    }
+    match <[Scattering; 3]>::try_from(functions) {
+        Ok([luminance, a, b]) => Ok(Component { luminance, chroma: Some([a, b]) }),
+        Err(functions) => match <[Scattering; 1]>::try_from(functions) {
+            Ok([luminance]) => Ok(Component::grey(luminance)),
+            Err(functions) => Err(value_error(format!("{} functions; expected 1 or 3", functions.len()))),
+        },
+    }
 }
 
 /// Luminance and chroma of a component.

@@ -6,21 +6,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use bsdftree::Basis;
 use bsdftree::bsdf::LengthUnit;
-use bsdftree::klems::Ring;
 use bsdftree_device::{Unit, Up, parametric};
-use bsdftree_generate::{Aperture, GenerateError, Generated, Layout, Options, Progress, Sides, Stop};
+use bsdftree_generate::{Aperture, GenerateError, Generated, Options, Progress, Sides, Stop};
 use numpy::PyArray1;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::bsdf::Bsdf;
-
-fn value_error(error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(error.to_string())
-}
+use crate::layout::{self, Klems};
+use crate::value_error;
 
 /// Geometry and materials.
 #[pyclass(frozen, module = "bsdftree")]
@@ -105,33 +101,6 @@ pub fn device_families(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
         .collect()
 }
 
-/// A basis by name, or by its rings: lower and upper polar angle \[degree\] and number of patches.
-#[derive(FromPyObject)]
-pub enum Klems {
-    Name(String),
-    Rings(Vec<(f64, f64, u32)>),
-}
-
-fn klems_basis(klems: Klems, subdivide: u32) -> PyResult<Basis> {
-    let basis = match klems {
-        Klems::Rings(rings) => {
-            let ring = |(lower, upper, n_phi)| Ring { bounds_deg: [lower, upper], n_phi };
-            Basis::new("User", rings.into_iter().map(ring).collect()).map_err(value_error)?
-        }
-        Klems::Name(name) => match name.as_str() {
-            "full" => Basis::full(),
-            "half" => Basis::half(),
-            "half73" => Basis::half_73(),
-            "quarter" => Basis::quarter(),
-            _ => {
-                let expected = "expected \"full\", \"half\", \"half73\", \"quarter\" or a list of rings";
-                return Err(value_error(format!("Klems basis {name:?}; {expected}")));
-            }
-        },
-    };
-    if subdivide == 1 { Ok(basis) } else { basis.subdivided(subdivide).map_err(value_error) }
-}
-
 type Outcome = Result<Generated, GenerateError>;
 
 /// A generation that runs.
@@ -169,10 +138,7 @@ pub fn generate(
     threads: Option<usize>,
     checkpoint: Option<PathBuf>,
 ) -> PyResult<Generation> {
-    let layout = match klems {
-        Some(klems) => Layout::Klems(Arc::new(klems_basis(klems, subdivide)?)),
-        None => Layout::Tree { rank: crate::component::rank(rank)?, log2_res },
-    };
+    let layout = layout::layout(rank, log2_res, klems, subdivide)?;
     let sides = match sides {
         "front" => Sides::Front,
         "back" => Sides::Back,

@@ -219,10 +219,22 @@ pub struct Header {
     pub height: Option<f64>,
     /// The unit in which the file gives them.
     pub unit: LengthUnit,
+    /// What else the file says of the material, by element: `DeviceType` unless it is `Other`, `ThermalConductivity`,
+    /// `EmissivityFront` and the like, as text. Names are letters, digits, `_`, `-` and `.`, a letter first.
+    pub properties: Vec<(String, String)>,
     /// Geometry as MGF text with its unit, if the file holds it.
     pub geometry: Option<Geometry>,
     /// How it was made: comments before the root element, one an entry.
     pub provenance: Vec<String>,
+}
+
+impl Header {
+    /// Whether a property may have this name in a file: an element's, and none that has a field of its own.
+    pub fn is_property(name: &str) -> bool {
+        const OWN: [&str; 5] = ["Name", "Manufacturer", "Thickness", "Width", "Height"];
+        let legal = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+        name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(legal) && !OWN.contains(&name)
+    }
 }
 
 /// Device geometry inside the file.

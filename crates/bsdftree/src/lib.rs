@@ -46,12 +46,14 @@ pub mod tree;
 pub mod klems;
 pub mod color;
 pub mod bsdf;
+pub mod cell;
 pub mod query;
 pub mod check;
 pub mod peaks;
 pub mod xml;
 
 pub use bsdf::{Band, Bsdf, Component, Geometry, Header, LengthUnit, Part, Scattering};
+pub use cell::Cell;
 pub use direction::{Direction, Side};
 pub use klems::{Basis, Matrix};
 pub use query::{Lobes, Sample};

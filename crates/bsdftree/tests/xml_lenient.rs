@@ -205,6 +205,21 @@ fn lengths_have_the_units_of_the_file() {
 }
 
 #[test]
+fn plain_properties_of_the_material_are_kept() {
+    let material = "<Material><Name>n</Name><DeviceType>Film</DeviceType><TIR> 0.1 </TIR><EmissivityBack/>\
+                    <TIR>0.2</TIR><Color unit=\"x\">1</Color><Layers><Layer>2</Layer></Layers></Material>";
+    let text =
+        tree_file("TensorTree3", GRID).replace("<DataDefinition>", &format!("{material}<DataDefinition>"));
+    let (bsdf, notes) = read(text.as_bytes(), Strictness::Strict).unwrap();
+    let kept = [("DeviceType", "Film"), ("TIR", "0.1")].map(|(name, text)| (name.into(), text.into()));
+    assert_eq!(bsdf.header.properties, kept);
+    let notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    for name in ["TIR", "Color", "Layers"] {
+        assert!(notes.iter().any(|note| note.ends_with(&format!("not kept: {name}"))), "{name}: {notes:?}");
+    }
+}
+
+#[test]
 fn geometry_in_another_format_is_refused() {
     let with = |geometry: &str| {
         tree_file("TensorTree3", GRID).replace("<DataDefinition>", &format!("{geometry}<DataDefinition>"))

@@ -158,6 +158,11 @@ fn headers_survive() {
             width: Some(1e-9 * unit.meters()),
             height: None,
             unit,
+            properties: vec![
+                ("DeviceType".into(), "Film".into()),
+                ("EmissivityFront".into(), "0.84 < 1 & > 0".into()),
+                ("AERC-Acceptance_1.0".into(), "@".into()),
+            ],
             geometry: Some(Geometry { mgf: "# a < b && c\n\to \"x\"\r\n  \n".into(), unit }),
             provenance: vec![
                 "genBSDF -n 4 +geom meter --x---y -\\- -\\\\- \\ -- a-".into(),

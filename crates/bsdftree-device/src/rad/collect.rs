@@ -12,23 +12,7 @@ use super::statement::Primitive;
 use crate::device::{Device, NamedMaterial, Surface};
 use crate::error::{DeviceError, Place};
 use crate::material::Material;
-
-/// Bounds on what a scene may expand to.
-#[derive(Clone, Copy)]
-pub(super) struct Limits {
-    pub surfaces: u64,
-    /// Memory for all statements that are walked, copies counted each time \[bytes\].
-    pub bytes: u64,
-    /// Files inside each other.
-    pub depth: usize,
-    /// Warnings that are kept.
-    pub warnings: usize,
-}
-
-impl Limits {
-    pub(super) const DEFAULT: Limits =
-        Limits { surfaces: 10_000_000, bytes: 8 << 30, depth: 64, warnings: 100 };
-}
+use crate::options::Limits;
 
 /// A device that grows.
 pub(super) struct Collection {

@@ -1,7 +1,7 @@
 //! Scene files: where they are, and what is in them, each read once.
 //!
 //! In: a name and the directory of the file that names it. Out: its statements. Searched are that directory and then
-//! the directories of `RAYPATH`, relative ones from the working directory. Names that begin with `.` or `/` are not
+//! the search folders (by default `RAYPATH`), relative ones from the working directory. Names that begin with `.` or `/` are not
 //! looked for in absolute directories of `RAYPATH`, as in Radiance.
 
 use std::collections::HashMap;
@@ -35,14 +35,6 @@ const LARGEST: u64 = 1 << 30;
 impl Files {
     pub(super) fn new(raypath: Vec<PathBuf>) -> Self {
         Files { raypath, read: HashMap::new() }
-    }
-
-    /// The directories of the environment variable `RAYPATH`, or Radiance's default.
-    pub(super) fn raypath_of_environment() -> Vec<PathBuf> {
-        match std::env::var_os("RAYPATH") {
-            Some(path) => std::env::split_paths(&path).collect(),
-            None => [".", "/usr/local/lib/ray"].map(PathBuf::from).to_vec(),
-        }
     }
 
     /// Finds a file that is named at a place of a scene.

@@ -32,33 +32,34 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use collect::Limits;
-use files::{Files, Source};
+use files::Source;
 use scene::{Placement, Scene};
 
 use crate::device::Device;
 use crate::error::DeviceError;
-use crate::unit::Unit;
+use crate::options::ReadOptions;
 
 impl Device {
-    /// Reads Radiance scene files, in their order one scene, whose lengths are in `unit`.
+    /// Reads Radiance scene files, in their order one scene, as the options (or just a [`Unit`](crate::Unit)) say.
     ///
     /// Files that they name by `!xform` are looked for beside the naming file, then in the directories of the
-    /// environment variable `RAYPATH`.
+    /// environment variable `RAYPATH`, unless the options name others.
     ///
     /// # Errors
     /// [`DeviceError`] with file, line, what was found and what was expected: text that is not Radiance's format,
-    /// features that are not supported, files that cannot be read, circles of files, and scenes of more than 10⁷
-    /// surfaces.
-    pub fn read_rad(paths: &[PathBuf], unit: Unit) -> Result<Device, DeviceError> {
-        let mut scene = Scene::new(Files::new(Files::raypath_of_environment()), Limits::DEFAULT);
+    /// features that are not supported, files that cannot be read, circles of files, and scenes that pass the limits of the
+    /// options.
+    pub fn read_rad(paths: &[PathBuf], options: impl Into<ReadOptions>) -> Result<Device, DeviceError> {
+        let options = options.into();
+        let placement = Placement::scaled(options.unit.meters());
+        let mut scene = Scene::new(options);
         for path in paths {
-            scene.file(path, &Placement::scaled(unit.meters()))?;
+            scene.file(path, &placement)?;
         }
         Ok(scene.into_device())
     }
 
-    /// Reads the text of a Radiance scene, whose lengths are in `unit`.
+    /// Reads the text of a Radiance scene, as the options (or just a [`Unit`](crate::Unit)) say.
     ///
     /// `name` stands for the file in messages; files that the text names are looked for in `directory`, then in the
     /// directories of `RAYPATH`.
@@ -75,21 +76,17 @@ impl Device {
     /// assert!(error.to_string().starts_with("bad.rad:1: "));
     /// # Ok::<(), bsdftree_device::DeviceError>(())
     /// ```
-    pub fn parse_rad(text: &str, name: &str, directory: &Path, unit: Unit) -> Result<Device, DeviceError> {
-        parse(text, name, directory, unit, Files::raypath_of_environment(), Limits::DEFAULT)
+    pub fn parse_rad(
+        text: &str,
+        name: &str,
+        directory: &Path,
+        options: impl Into<ReadOptions>,
+    ) -> Result<Device, DeviceError> {
+        let options = options.into();
+        let placement = Placement::scaled(options.unit.meters());
+        let mut scene = Scene::new(options);
+        let source = Source::of(text, name, directory.to_owned())?;
+        scene.source(&source, directory, &placement)?;
+        Ok(scene.into_device())
     }
-}
-
-fn parse(
-    text: &str,
-    name: &str,
-    directory: &Path,
-    unit: Unit,
-    raypath: Vec<PathBuf>,
-    limits: Limits,
-) -> Result<Device, DeviceError> {
-    let mut scene = Scene::new(Files::new(raypath), limits);
-    let source = Source::of(text, name, directory.to_owned())?;
-    scene.source(&source, directory, &Placement::scaled(unit.meters()))?;
-    Ok(scene.into_device())
 }

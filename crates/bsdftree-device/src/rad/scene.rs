@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::collect::{self, Collection, Limits};
+use super::collect::{self, Collection};
 use super::command;
 use super::definition::Definitions;
 use super::files::{Files, Source};
@@ -17,11 +17,12 @@ use super::types::Class;
 use super::xform::{Copy, Xform};
 use crate::device::Device;
 use crate::error::{DeviceError, Place};
+use crate::options::ReadOptions;
 
 /// The state of a walk.
 pub(super) struct Scene {
+    options: ReadOptions,
     files: Files,
-    depth: usize,
     /// Files being walked, outermost first.
     chain: Vec<PathBuf>,
     definitions: Definitions,
@@ -60,13 +61,13 @@ impl Placement {
 }
 
 impl Scene {
-    pub(super) fn new(files: Files, limits: Limits) -> Self {
+    pub(super) fn new(options: ReadOptions) -> Self {
         Scene {
-            files,
-            depth: limits.depth,
+            files: Files::new(options.search_folders()),
             chain: Vec::new(),
             definitions: Definitions::default(),
-            collection: Collection::new(limits),
+            collection: Collection::new(options.limits),
+            options,
         }
     }
 
@@ -101,8 +102,9 @@ impl Scene {
                 chain: circle.map(|p| p.display().to_string()).collect(),
             });
         }
-        if self.chain.len() >= self.depth {
-            return Err(collect::too_large(at, "files inside each other", self.depth as u64));
+        let deepest = self.options.limits.depth;
+        if self.chain.len() >= deepest {
+            return Err(collect::too_large(at, "files inside each other", deepest as u64));
         }
         Ok(())
     }

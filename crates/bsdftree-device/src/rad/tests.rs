@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use glam::{DVec3, dvec3};
 
-use super::collect::Limits;
-use crate::{Device, DeviceError, Material, Shape, Unit};
+use crate::options::Limits;
+use crate::{Device, DeviceError, Material, ReadOptions, Shape};
 
 /// A directory of its own, removed at the end.
 struct Directory(PathBuf);
@@ -27,8 +27,8 @@ impl Directory {
     }
 
     fn parse_within(&self, text: &str, limits: Limits) -> Result<Device, DeviceError> {
-        let raypath = vec![self.0.join("library")];
-        super::parse(text, "top.rad", &self.0, Unit::Meter, raypath, limits)
+        let search = Some(vec![self.0.join("library")]);
+        Device::parse_rad(text, "top.rad", &self.0, ReadOptions { search, limits, ..ReadOptions::default() })
     }
 }
 

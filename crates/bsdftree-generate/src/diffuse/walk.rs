@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::bvh::{Hit, Ray};
 use crate::path::{Outcome, Scene};
 use crate::random::Random;
-use crate::scatter::{Spectrum, attenuation};
+use crate::scatter::{self, Spectrum, attenuation};
 use crate::tile::Tile;
 
 /// Luminous weight under which a walk has to survive the roulette.
@@ -54,6 +54,7 @@ pub(crate) fn walk<S: Spectrum>(
     let (bvh, materials) = scene.parts();
     let mut weight = S::WHITE;
     let mut reversal = 1.0;
+    let mut traveled = 0.0;
     for _ in 0..MAX_BOUNCES {
         let hit = bvh.closest(&ray);
         if let Some((again, t)) = tile.and_then(|tile| tile.wrapped(&ray, hit.map_or(f64::INFINITY, |h| h.t)))
@@ -61,6 +62,7 @@ pub(crate) fn walk<S: Spectrum>(
             if let Some(transmittance) = medium {
                 weight = weight * attenuation::<S>(transmittance, t);
             }
+            traveled += t;
             ray = again;
             continue;
         }
@@ -75,9 +77,11 @@ pub(crate) fn walk<S: Spectrum>(
             let albedo = material.diffuse_albedo(ray.direction.dot(hit.normal).abs().min(1.0));
             meet(Meeting { hit: &hit, facing, arrived: weight, reversal, albedo, medium });
         }
+        let meeting = scatter::Meeting::of(&ray, &hit, traveled);
+        traveled = meeting.traveled;
         let scatter = match lobes {
-            Lobes::Specular => material.scatter_specular(hit.normal, ray.direction, random),
-            Lobes::All => material.scatter(hit.normal, ray.direction, random),
+            Lobes::Specular => material.scatter_specular(&meeting, random),
+            Lobes::All => material.scatter(&meeting, random),
         };
         let Some(scatter) = scatter else { return Outcome::Absorbed };
         if lobes == Lobes::Specular || !material.is_diffuse() {

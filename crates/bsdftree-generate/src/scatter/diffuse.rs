@@ -9,7 +9,7 @@ use super::frame::{cos_sin, mirrored, tangents};
 use super::gloss::{
     DIFFUSE_REFLECTION, DIFFUSE_TRANSMISSION, PreparedGloss, SPECULAR_REFLECTION, SPECULAR_TRANSMISSION,
 };
-use super::{Prepared, PreparedMaterial, Scatter, Spectrum, facing, is_front};
+use super::{Meeting, Prepared, PreparedMaterial, Scatter, Spectrum, facing, is_front};
 use crate::random::Random;
 
 impl<S: Spectrum> PreparedMaterial<S> {
@@ -30,15 +30,10 @@ impl<S: Spectrum> PreparedMaterial<S> {
 
     /// As [`scatter`](Self::scatter) of the material without its diffuse lobes.
     #[inline]
-    pub fn scatter_specular(
-        &self,
-        normal: DVec3,
-        incoming: DVec3,
-        random: &mut Random,
-    ) -> Option<Scatter<S>> {
+    pub fn scatter_specular(&self, meeting: &Meeting, random: &mut Random) -> Option<Scatter<S>> {
         match &self.0 {
-            Prepared::Gloss(gloss) => gloss.scatter_specular(normal, incoming, random),
-            _ => self.scatter(normal, incoming, random),
+            Prepared::Gloss(gloss) => gloss.scatter_specular(meeting.normal, meeting.incoming, random),
+            _ => self.scatter(meeting, random),
         }
     }
 
@@ -163,9 +158,9 @@ mod tests {
                     let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
                     for _ in 0..n {
                         let scatter = if specular {
-                            material.scatter_specular(DVec3::Z, incoming, &mut random)
+                            material.scatter_specular(&Meeting::new(DVec3::Z, incoming), &mut random)
                         } else {
-                            material.scatter(DVec3::Z, incoming, &mut random)
+                            material.scatter(&Meeting::new(DVec3::Z, incoming), &mut random)
                         };
                         // Direction tells lobes apart, up to what they share.
                         let weight = scatter.map_or(DVec3::ZERO, |s| s.weight * (1.5 + s.direction.z));
@@ -195,7 +190,8 @@ mod tests {
         let mut random = Random::new(32, 0, 0);
         for _ in 0..1000 {
             let (normal, incoming) = (direction(&mut random), direction(&mut random));
-            let Some(scatter) = material.scatter_specular(normal, incoming, &mut random) else { continue };
+            let meeting = Meeting::new(normal, incoming);
+            let Some(scatter) = material.scatter_specular(&meeting, &mut random) else { continue };
             let (incident, exitant) = (-incoming, scatter.direction);
             let there = evaluate::<f64>(&gloss, incident, exitant, normal);
             let back = evaluate::<f64>(&gloss, exitant, incident, normal);

@@ -1,6 +1,6 @@
 //! How a ray scatters at a surface.
 //!
-//! In: a material, the surface's normal, the direction a ray travels in, random numbers. Out: nothing (absorbed), or
+//! In: a material, a [`Meeting`] of a ray and a surface, random numbers. Out: nothing (absorbed), or
 //! one new direction with the factor the path's weight takes. Invariant: the mean of that factor over the random numbers,
 //! in any solid angle, is the material's BSDF times cosine over it: unbiased, and never more energy out than in.
 //! Directions are unit vectors that point along travel. Transcendental functions are the `libm` crate's, not the platform's:
@@ -11,11 +11,11 @@
 //! ```
 //! use bsdftree_device::material::Material;
 //! use bsdftree_generate::random::Random;
-//! use bsdftree_generate::scatter::PreparedMaterial;
+//! use bsdftree_generate::scatter::{Meeting, PreparedMaterial};
 //! use glam::DVec3;
 //!
 //! let mirror = PreparedMaterial::<f64>::new(&Material::Mirror { reflectance: DVec3::splat(0.9) });
-//! let scatter = mirror.scatter(DVec3::Z, DVec3::NEG_Z, &mut Random::new(0, 0, 0)).unwrap();
+//! let scatter = mirror.scatter(&Meeting::new(DVec3::Z, DVec3::NEG_Z), &mut Random::new(0, 0, 0)).unwrap();
 //! assert_eq!(scatter.direction, DVec3::Z);
 //! assert!((scatter.weight - 0.9).abs() < 1e-12);
 //! ```
@@ -26,17 +26,23 @@ mod frame;
 mod fresnel;
 mod glass;
 mod gloss;
+mod meeting;
+mod shading;
 mod spectrum;
 #[cfg(test)]
 mod test_support;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use bsdftree_device::material::{Gloss, Material};
 use glam::DVec3;
 
 pub use dielectric::attenuation;
 pub use diffuse::lambertian_direction;
+pub use meeting::{Local, Meeting};
+use shading::{Shade, Shading};
 pub use spectrum::Spectrum;
 
 use crate::random::Random;
@@ -76,6 +82,8 @@ enum Prepared<S> {
     Glass(glass::Pane),
     Dielectric(dielectric::Interface),
     Mirror(S),
+    /// Everything that is not constant, or not one of the above.
+    Other(Arc<dyn Shading<S>>),
 }
 
 impl<S: Spectrum> PreparedMaterial<S> {
@@ -95,10 +103,11 @@ impl<S: Spectrum> PreparedMaterial<S> {
         })
     }
 
-    /// Scatters a ray that travels along the unit vector `incoming` and hits a surface with the unit `normal` of its
-    /// front, from either side. `None` if it is absorbed. One lobe is taken at random, by luminous weight.
+    /// Scatters a ray that meets a surface, from either side. `None` if it is absorbed. One lobe is taken at random, by
+    /// luminous weight.
     #[inline]
-    pub fn scatter(&self, normal: DVec3, incoming: DVec3, random: &mut Random) -> Option<Scatter<S>> {
+    pub fn scatter(&self, meeting: &Meeting, random: &mut Random) -> Option<Scatter<S>> {
+        let Meeting { normal, incoming, .. } = *meeting;
         match &self.0 {
             Prepared::Gloss(gloss) => gloss.scatter(normal, incoming, random),
             Prepared::Glass(pane) => pane.scatter(normal, incoming, random),
@@ -109,6 +118,7 @@ impl<S: Spectrum> PreparedMaterial<S> {
                 }),
             Prepared::Void => Some(Scatter::transmitted(incoming, S::WHITE)),
             Prepared::Black => None,
+            Prepared::Other(shading) => shading.scatter(meeting, &Shade::of(meeting), random),
         }
     }
 

@@ -84,7 +84,7 @@ fn no_material_gains_energy_and_all_directions_are_unit() {
         }
         let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
         for _ in 0..n {
-            let Some(s) = prepared.scatter(normal, incoming, &mut random) else { continue };
+            let Some(s) = prepared.scatter(&Meeting::new(normal, incoming), &mut random) else { continue };
             assert!((s.direction.length() - 1.0).abs() < 1e-12, "{material:?}");
             let crossed = s.direction.dot(normal) * incoming.dot(normal) > 0.0;
             assert!(
@@ -108,7 +108,7 @@ fn exact_grazing_and_axis_aligned_rays_give_unit_directions() {
         let prepared = PreparedMaterial::<DVec3>::new(&any_material(&mut random));
         for normal in [DVec3::X, -DVec3::Y, DVec3::Z, -DVec3::Z] {
             for incoming in [DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z] {
-                if let Some(s) = prepared.scatter(normal, incoming, &mut random) {
+                if let Some(s) = prepared.scatter(&Meeting::new(normal, incoming), &mut random) {
                     assert!((s.direction.length() - 1.0).abs() < 1e-12 && s.weight.is_finite());
                 }
             }
@@ -125,7 +125,7 @@ fn diffuse_reflection_is_cosine_distributed() {
         let mut counts = vec![0.0; cells.count()];
         let mut random = Random::new(13, 0, 0);
         for _ in 0..120_000 {
-            let s = paint.scatter(DVec3::Z, incoming, &mut random).unwrap();
+            let s = paint.scatter(&Meeting::new(DVec3::Z, incoming), &mut random).unwrap();
             assert!((s.weight - 0.6).abs() < 1e-15 && !s.transmitted && s.direction.z * up > 0.0);
             counts[cells.find(s.direction)] += 1.0;
         }
@@ -140,9 +140,10 @@ fn diffuse_directions_follow_a_tilted_normal() {
     let mut random = Random::new(14, 0, 0);
     let normal = polar(130.0, 77.0);
     let n = 400_000;
-    let mean =
-        (0..n).map(|_| glossy(PAINT).scatter(normal, -normal, &mut random).unwrap().direction).sum::<DVec3>()
-            / f64::from(n);
+    let mean = (0..n)
+        .map(|_| glossy(PAINT).scatter(&Meeting::new(normal, -normal), &mut random).unwrap().direction)
+        .sum::<DVec3>()
+        / f64::from(n);
     assert!((mean - normal * (2.0 / 3.0)).abs().max_element() < 4e-3, "{mean}");
 }
 
@@ -163,7 +164,7 @@ fn samples_are_distributed_as_the_evaluated_lobes() {
                 let z = cells.compare(
                     &expected,
                     300_000,
-                    || prepared.scatter(normal, -incident, &mut random),
+                    || prepared.scatter(&Meeting::new(normal, -incident), &mut random),
                     sign < 0.0,
                 );
                 // 48 comparisons of up to 192 cells: 5.7 is exceeded by one of them with probability 1e-4.
@@ -208,7 +209,9 @@ fn albedo_of_rough_metal_matches_quadrature_and_stays_bounded() {
             let (n, mut random) = (200_000, Random::new(16, theta as u64, 0));
             let (mut sum, mut squares) = (0.0, 0.0);
             for _ in 0..n {
-                let w = prepared.scatter(DVec3::Z, -incident, &mut random).map_or(0.0, |s| s.weight);
+                let w = prepared
+                    .scatter(&Meeting::new(DVec3::Z, -incident), &mut random)
+                    .map_or(0.0, |s| s.weight);
                 sum += w;
                 squares += w * w;
             }
@@ -226,7 +229,7 @@ fn rough_transmission_keeps_all_it_is_given() {
     for theta in [0.0, 50.0, 85.0] {
         let mut random = Random::new(17, 0, 0);
         for _ in 0..10_000 {
-            let s = glossy(gloss).scatter(DVec3::Z, -polar(theta, 0.0), &mut random).unwrap();
+            let s = glossy(gloss).scatter(&Meeting::new(DVec3::Z, -polar(theta, 0.0)), &mut random).unwrap();
             assert!(s.transmitted && s.direction.z < 0.0);
             assert!((s.weight - gloss.color.luminance()).abs() < 1e-12);
         }
@@ -268,7 +271,7 @@ fn lobe_is_wider_along_the_rougher_direction() {
         let mut random = Random::new(19, 0, 0);
         let mut spread = [0.0; 2];
         for _ in 0..20_000 {
-            let d = prepared.scatter(normal, -DVec3::Z, &mut random).unwrap().direction;
+            let d = prepared.scatter(&Meeting::new(normal, -DVec3::Z), &mut random).unwrap().direction;
             let half = (d + DVec3::Z) / (d.z + 1.0);
             spread = [spread[0] + half.dot(along).powi(2), spread[1] + half.dot(across).powi(2)];
         }
@@ -298,7 +301,10 @@ fn grey_path_carries_the_luminance_of_the_coloured_one() {
         let color = PreparedMaterial::<DVec3>::new(&material);
         for sample in 0..20 {
             let [mut a, mut b] = [(); 2].map(|()| Random::new(21, case, sample));
-            match (grey.scatter(normal, incoming, &mut a), color.scatter(normal, incoming, &mut b)) {
+            match (
+                grey.scatter(&Meeting::new(normal, incoming), &mut a),
+                color.scatter(&Meeting::new(normal, incoming), &mut b),
+            ) {
                 (None, None) => {}
                 (Some(g), Some(c)) => {
                     assert_eq!((g.direction, g.transmitted), (c.direction, c.transmitted));
@@ -316,7 +322,7 @@ fn mean_weight(material: Material, incoming: DVec3, keep: impl Fn(&Scatter<DVec3
     let (n, mut random) = (200_000, Random::new(22, 0, 0));
     let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
     for _ in 0..n {
-        if let Some(s) = prepared.scatter(DVec3::Z, incoming, &mut random).filter(&keep) {
+        if let Some(s) = prepared.scatter(&Meeting::new(DVec3::Z, incoming), &mut random).filter(&keep) {
             sum += s.weight;
             squares += s.weight * s.weight;
         }
@@ -396,14 +402,19 @@ fn mirrors_void_and_black_do_what_their_names_say() {
     let mut random = Random::new(23, 0, 0);
     let incoming = -polar(30.0, 0.0);
     let mirror = PreparedMaterial::<f64>::new(&Material::Mirror { reflectance: DVec3::splat(0.5) });
-    let front = mirror.scatter(DVec3::Z, incoming, &mut random).unwrap();
+    let front = mirror.scatter(&Meeting::new(DVec3::Z, incoming), &mut random).unwrap();
     assert!((front.direction - polar(30.0, 180.0)).length() < 1e-15 && (front.weight - 0.5).abs() < 1e-15);
-    assert_eq!(mirror.scatter(-DVec3::Z, incoming, &mut random), None);
-    let void = PreparedMaterial::<f64>::new(&Material::Void).scatter(DVec3::Z, incoming, &mut random);
+    assert_eq!(mirror.scatter(&Meeting::new(-DVec3::Z, incoming), &mut random), None);
+    let void =
+        PreparedMaterial::<f64>::new(&Material::Void).scatter(&Meeting::new(DVec3::Z, incoming), &mut random);
     assert_eq!(void, Some(Scatter { direction: incoming, weight: 1.0, transmitted: true }));
-    assert_eq!(PreparedMaterial::<f64>::new(&Material::Black).scatter(DVec3::Z, incoming, &mut random), None);
+    assert_eq!(
+        PreparedMaterial::<f64>::new(&Material::Black)
+            .scatter(&Meeting::new(DVec3::Z, incoming), &mut random),
+        None
+    );
     let paint = Gloss { color: DVec3::ZERO, ..PAINT };
-    assert_eq!(glossy(paint).scatter(DVec3::Z, incoming, &mut random), None);
+    assert_eq!(glossy(paint).scatter(&Meeting::new(DVec3::Z, incoming), &mut random), None);
 }
 
 #[test]

@@ -70,6 +70,11 @@ impl Position {
         }
     }
 
+    /// The lower corner of the cell of edge 2^-level that holds it, in units of the edge.
+    pub fn corner(self, level: u32) -> [u64; 4] {
+        self.0.map(|c| c >> (QUANTUM_BITS - level))
+    }
+
     /// The place at given coordinates in \[0, 1), as many as the tree has dimensions.
     pub fn from_coordinates(coordinates: &[f64]) -> Position {
         let mut position = [0; 4];

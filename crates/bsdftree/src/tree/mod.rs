@@ -16,6 +16,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 pub use arena::{Arena, Content, MAX_LOG2_RES, Rank, Slot, TreeBuilder, TreeError};
 pub use coordinates::Position;
 pub use lobe::TreeLobe;
+pub(crate) use slice::area as leaf_area;
 pub use walk::Leaf;
 
 use crate::direction::Direction;

@@ -84,7 +84,7 @@ impl Slice {
 }
 
 /// Projected solid angle of a leaf at a level \[sr\].
-pub(super) fn area(level: u32) -> f64 {
+pub(crate) fn area(level: u32) -> f64 {
     PI * 0.25f64.powi(level as i32)
 }
 

@@ -231,6 +231,11 @@ impl<'d> Node<'d> {
         self.child(element).ok_or_else(|| XmlError::new(self.offset(), missing()))
     }
 
+    /// Whether its start tag has attributes, legal or not.
+    pub(super) fn has_attributes(self) -> bool {
+        self.element().tag.attributes().next().is_some()
+    }
+
     /// An attribute's value.
     pub(super) fn attribute(self, name: &str) -> Result<Option<Cow<'d, str>>, XmlError> {
         let refused = |problem: String| XmlError::new(self.offset(), Fault::Syntax(problem));

@@ -8,9 +8,6 @@ use crate::bsdf::{Geometry, Header, LengthUnit};
 /// Longest name \[byte\].
 pub(super) const MAX_NAME: usize = 4096;
 
-/// What is kept of a material. `DeviceType` is `Other` in nearly every file.
-const MATERIAL: [&str; 6] = ["Name", "Manufacturer", "Thickness", "Width", "Height", "DeviceType"];
-
 const NO_DATA: &str = "the file holds no optical data; export it from WINDOW or genBSDF again";
 
 /// The layer that holds the data.
@@ -74,7 +71,22 @@ fn read_material(material: Node<'_>, header: &mut Header, repairs: &mut Repairs)
         }
     }
     header.unit = first_unit.unwrap_or_default();
-    not_kept(material, &MATERIAL, repairs);
+    read_properties(material, header, repairs)
+}
+
+/// What stands there as plain text. `DeviceType` is `Other` in nearly every file.
+fn read_properties(material: Node<'_>, header: &mut Header, repairs: &mut Repairs) -> Result<(), XmlError> {
+    for node in material.children().filter(|node| Header::is_property(node.name())) {
+        let is_plain = !node.has_attributes() && node.children().next().is_none();
+        let text = if is_plain { node.text(repairs)?.trim().to_owned() } else { String::new() };
+        let is_first = header.properties.iter().all(|(name, _)| name != node.name());
+        if !is_plain || !is_first || text.len() > MAX_NAME {
+            let found = format!("of <Material>, not kept: {}", excerpt(node.name().as_bytes()));
+            repairs.note(node.offset(), found);
+        } else if !text.is_empty() && (node.name(), text.as_str()) != ("DeviceType", "Other") {
+            header.properties.push((node.name().to_owned(), text));
+        }
+    }
     Ok(())
 }
 

@@ -162,7 +162,12 @@ fn bases(bsdf: &Bsdf) -> Result<Vec<&Basis>, WriteError> {
 fn write_header(header: &Header, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "\t<Material>\n\t\t<Name>{}</Name>", escaped(&header.name))?;
     writeln!(out, "\t\t<Manufacturer>{}</Manufacturer>", escaped(&header.manufacturer))?;
-    writeln!(out, "\t\t<DeviceType>Other</DeviceType>")?;
+    if !header.properties.iter().any(|(name, _)| name == "DeviceType") {
+        writeln!(out, "\t\t<DeviceType>Other</DeviceType>")?;
+    }
+    for (name, text) in header.properties.iter().filter(|(name, _)| Header::is_property(name)) {
+        writeln!(out, "\t\t<{name}>{}</{name}>", escaped(text))?;
+    }
     let unit = header.unit;
     for (name, length) in
         [("Thickness", header.thickness), ("Width", header.width), ("Height", header.height)]
