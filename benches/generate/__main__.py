@@ -16,9 +16,9 @@ from pathlib import Path
 
 import bsdftree
 
-from . import comparisons, equal_error, resolution, talk
+from . import comparisons, equal_error, raw_speed, resolution, talk
 
-SECTIONS = ("talk", "equal-error", "resolution")
+SECTIONS = ("speed", "talk", "equal-error", "resolution")
 PICTURE = Path("docs/img/resolution.png")
 
 
@@ -33,6 +33,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as temporary:
         work = Path(temporary)
         cache = arguments.cache or work / "references"
+        if "speed" in arguments.only:
+            raw_speed.run(arguments.quick, work)
         if "talk" in arguments.only:
             talk.run(arguments.quick, work)
         if "equal-error" in arguments.only:

@@ -1,5 +1,6 @@
-//! Whole paths per second beside the closest hits they ask for: `paths` prints a line for each device,
-//! "device threads paths/s rays/s rays/path hits-only", paths counted in cells, nothing reduced.
+//! Whole paths per second beside the closest hits they ask for. `paths [DEVICE…]` prints a line for each device:
+//! its name, paths/s with one thread and with two, bare closest hits/s, rays of a path, and how much longer a path takes
+//! than its closest hits. Paths are counted in cells, nothing is reduced. See `benches/generate/raw_speed.py`.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -23,7 +24,8 @@ fn main() {
         let bare = bare(&device, &rays);
         let one = paths(&device, 1);
         let two = paths(&device, 2);
-        let ratio = one.recip() / (rays.len() as f64 / N_PATHS as f64 / bare);
+        let n_rays = rays.len() as f64 / N_PATHS as f64;
+        let ratio = bare / (one * n_rays);
         println!("{spec} {one:.0} {two:.0} {bare:.0} {:.2} {ratio:.2}", rays.len() as f64 / N_PATHS as f64);
     }
 }

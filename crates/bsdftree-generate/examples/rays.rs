@@ -1,6 +1,6 @@
 //! Closest hits per second of single rays, and the same scenes and rays as files for another tracer:
 //! `rays` prints a line "scene kind rays/s hits" for each scene and kind of ray, `rays FOLDER` writes them there instead.
-//! See `benches/beside_embree.py`.
+//! See `benches/generate/raw_speed.py`.
 
 #[path = "../tests/bvh_scenes/mod.rs"]
 mod bvh_scenes;

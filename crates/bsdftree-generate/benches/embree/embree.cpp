@@ -1,4 +1,4 @@
-// Closest hits per second of Embree's single-ray query, robust mode: the oracle of benches/beside_embree.py.
+// Closest hits per second of Embree's single-ray query, robust mode: the oracle of benches/generate/raw_speed.py.
 //
 // Enters: a folder with SCENE.triangles (9 f32 each), SCENE.quadrics (an u32 kind and 8 f32 each) and SCENE.KIND.rays (origin,
 // direction, least distance: 7 f32 each), as the Rust example `rays` writes them. Leaves: a line "scene kind rays/s hits"
