@@ -27,6 +27,7 @@
 //! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`options`], [`material`], [`shape`], [`device`], `rad` (scene
 //! files), [`parametric`].
 
+pub mod cal;
 pub mod device;
 pub mod error;
 pub mod material;
