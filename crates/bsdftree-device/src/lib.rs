@@ -24,13 +24,14 @@
 //! # Ok::<(), bsdftree_device::DeviceError>(())
 //! ```
 //!
-//! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`options`], [`material`], [`shape`], [`device`], `rad` (scene
+//! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`options`], [`material`], [`mesh`], [`shape`], [`device`], `rad` (scene
 //! files), [`parametric`].
 
 pub mod cal;
 pub mod device;
 pub mod error;
 pub mod material;
+pub mod mesh;
 pub mod options;
 pub mod parametric;
 mod rad;

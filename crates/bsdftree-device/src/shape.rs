@@ -1,9 +1,11 @@
 //! Surface primitives, as Radiance's reference manual defines them. Lengths in metres.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::DVec3;
 
+use crate::mesh::Mesh;
 use crate::triangulate::{self, area_vector};
 
 /// A surface primitive. The front of each is the side its normal points to.
@@ -48,6 +50,8 @@ pub enum Shape {
         /// Inner (≥ 0) and outer radius.
         radii: [f64; 2],
     },
+    /// Triangles over shared vertices.
+    Mesh(Arc<Mesh>),
 }
 
 impl Shape {
@@ -61,12 +65,17 @@ impl Shape {
                 PI * (radii[0] + radii[1]) * ends[0].distance(ends[1]).hypot(radii[0] - radii[1])
             }
             Shape::Ring { radii, .. } => PI * (radii[1] - radii[0]) * (radii[1] + radii[0]),
+            Shape::Mesh(mesh) => mesh.area(),
         }
     }
 
-    /// Whether a polygon has no area to speak of; other shapes never are.
+    /// Whether a polygon or a mesh has no area to speak of; other shapes never are.
     pub fn is_degenerate(&self) -> bool {
-        matches!(self, Shape::Polygon(vertices) if triangulate::is_degenerate(vertices))
+        match self {
+            Shape::Polygon(vertices) => triangulate::is_degenerate(vertices),
+            Shape::Mesh(mesh) => mesh.solid().next().is_none(),
+            _ => false,
+        }
     }
 
     /// Whether all vertices of a polygon are in one plane, up to 1e-6 of its size; other shapes always are.
@@ -79,7 +88,7 @@ impl Shape {
         v.iter().all(|&p| (p - center).dot(normal).abs() <= tolerance)
     }
 
-    /// Triangles of a polygon, vertices taken over unchanged and turned as the polygon is; none for other shapes.
+    /// Triangles of a polygon or a mesh, vertices taken over unchanged and turned as they are; none for other shapes.
     ///
     /// Concave outlines and holes cut by seams are right; repeated and collinear vertices make no triangle.
     ///
@@ -94,6 +103,7 @@ impl Shape {
     pub fn triangulate(&self) -> Vec<[DVec3; 3]> {
         match self {
             Shape::Polygon(vertices) => triangulate::triangles(vertices),
+            Shape::Mesh(mesh) => mesh.solid().map(|(_, corners)| corners).collect(),
             _ => Vec::new(),
         }
     }
@@ -110,6 +120,7 @@ impl Shape {
             Shape::Cylinder { ends, radius, .. } => disks_bounds(*ends, ends[1] - ends[0], [*radius; 2]),
             Shape::Cone { ends, radii, .. } => disks_bounds(*ends, ends[1] - ends[0], *radii),
             Shape::Ring { center, normal, radii } => disks_bounds([*center; 2], *normal, [radii[1]; 2]),
+            Shape::Mesh(mesh) => mesh.bounds(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Triangles of a polygon in space.
 //!
-//! In: vertices of one outline, holes cut by seams. Out: triangles of the same vertices, none of them turned against
+//! In: vertices of one outline, holes cut by seams or listed after it. Out: triangles of the same vertices, none of them turned against
 //! the polygon. The outline is projected along the axis that its normal is closest to, which drops a coordinate and
 //! rounds nothing; ears are cut by the crate `earcut` (M. Held, "FIST", Algorithmica 30, 2001).
 
@@ -26,15 +26,21 @@ pub(crate) fn is_degenerate(vertices: &[DVec3]) -> bool {
 
 /// See the module's head.
 pub(crate) fn triangles(vertices: &[DVec3]) -> Vec<[DVec3; 3]> {
-    if is_degenerate(vertices) {
+    triangles_around_holes(vertices, &[])
+}
+
+/// As [`triangles`]; from each of these vertices on, the next hole is listed, whichever way it turns.
+pub(crate) fn triangles_around_holes(vertices: &[DVec3], holes: &[u32]) -> Vec<[DVec3; 3]> {
+    let outline = &vertices[..holes.first().map_or(vertices.len(), |&k| k as usize)];
+    if is_degenerate(outline) {
         return Vec::new();
     }
-    let area = area_vector(vertices);
+    let area = area_vector(outline);
     let axis = area.abs().max_position();
     // A cyclic choice keeps the turning sense where the normal's component is positive.
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut corners: Vec<u32> = Vec::new();
-    Earcut::new().earcut(vertices.iter().map(|p| [p[u], p[v]]), &[], &mut corners);
+    Earcut::new().earcut(vertices.iter().map(|p| [p[u], p[v]]), holes, &mut corners);
     let triangles = corners.chunks_exact(3).map(|t| [0, 1, 2].map(|k| vertices[t[k] as usize]));
     let turned = triangles.map(|[a, b, c]| {
         let along = (b - a).cross(c - a).dot(area);
@@ -81,6 +87,20 @@ mod tests {
         let mut outline = comb.clone();
         outline.extend(comb.iter().rev().map(|&(x, y)| (x, y + 2.0)));
         assert_covers(&lifted(&outline));
+    }
+
+    #[test]
+    fn listed_holes_stay_open_whichever_way_they_turn() {
+        let outer = lifted(&[(0., 0.), (9., 0.), (9., 4.), (0., 4.)]);
+        let mut first = lifted(&[(1., 1.), (3., 1.), (3., 3.), (1., 3.)]);
+        let second = lifted(&[(5., 1.), (5., 3.), (7., 2.)]);
+        for _ in 0..2 {
+            let vertices = [&outer[..], &first, &second].concat();
+            let open = area_vector(&first).length() + area_vector(&second).length();
+            let triangles = triangles_around_holes(&vertices, &[4, 8]);
+            assert!((total(&triangles) / (area_vector(&outer).length() - open) - 1.0).abs() < 1e-12);
+            first.reverse();
+        }
     }
 
     #[test]

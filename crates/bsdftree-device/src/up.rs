@@ -1,11 +1,13 @@
 //! Turning a device that was not drawn with Y up.
 
 use std::str::FromStr;
+use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::device::Device;
 use crate::material::Material;
+use crate::mesh::Moving;
 use crate::shape::Shape;
 
 /// The axis that points up in the drawing.
@@ -65,12 +67,14 @@ impl Device {
     pub fn turned_up(&self, up: Up) -> Device {
         let turn = |v: DVec3| up.turned(v);
         let mut device = self.clone();
+        let mut meshes = Moving::default();
         for surface in &mut device.surfaces {
             match &mut surface.shape {
                 Shape::Polygon(vertices) => vertices.iter_mut().for_each(|v| *v = turn(*v)),
                 Shape::Sphere { center, .. } => *center = turn(*center),
                 Shape::Cylinder { ends, .. } | Shape::Cone { ends, .. } => *ends = ends.map(turn),
                 Shape::Ring { center, normal, .. } => (*center, *normal) = (turn(*center), turn(*normal)),
+                Shape::Mesh(mesh) => *mesh = Arc::new(meshes.moved(mesh, turn, turn)),
             }
         }
         device.tile = device.tile.map(|[low, high]| {

@@ -29,7 +29,7 @@ fn rays(bvh: &Bvh) -> Vec<Ray> {
         if let Some(hit) = bvh.closest(&ray) {
             let side = if hit.front { hit.normal } else { -hit.normal };
             let direction = (side + random.direction() * 0.999).normalize();
-            rays.push(Ray { origin: hit.position, direction, from: Some(hit.surface) });
+            rays.push(Ray { origin: hit.position, direction, from: Some(hit.part) });
         }
     }
     rays.truncate(N_RAYS);

@@ -57,7 +57,7 @@ fn rays(bvh: &Bvh) -> [(&'static str, Vec<Ray>); 3] {
     let bounces = starts.filter_map(|ray| bvh.closest(ray)).map(|hit| {
         let side = if hit.front { hit.normal } else { -hit.normal };
         let direction = (side + random.direction() * 0.999).normalize();
-        Ray { origin: hit.position, direction, from: Some(hit.surface) }
+        Ray { origin: hit.position, direction, from: Some(hit.part) }
     });
     let bounces = bounces.take(N_RAYS).collect();
     [("incoming", incoming), ("chords", chords), ("bounces", bounces)]
@@ -87,7 +87,7 @@ fn write(
     let (mut triangles, mut quadrics) = (Vec::new(), Vec::new());
     for shape in device.surfaces.iter().map(|surface| &surface.shape) {
         let (kind, a, b, radii) = match shape {
-            Shape::Polygon(_) => {
+            Shape::Polygon(_) | Shape::Mesh(_) => {
                 let corners = shape.triangulate().into_iter().flatten();
                 triangles.extend(corners.flat_map(|p| bytes(&p.to_array())));
                 continue;

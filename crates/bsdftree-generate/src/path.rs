@@ -112,7 +112,7 @@ impl<S: Spectrum> Scene<S> {
         if let Some(transmittance) = material.medium(hit.front).or(path.medium) {
             weight = weight * attenuation::<S>(transmittance, hit.t);
         }
-        let meeting = Meeting::of(&ray, &hit, path.traveled);
+        let meeting = Meeting::of(&self.bvh, &ray, &hit, path.traveled);
         path.traveled = meeting.traveled;
         let Some(scatter) = material.scatter(&meeting, random) else {
             return Some(Outcome::Absorbed);
@@ -130,7 +130,7 @@ impl<S: Spectrum> Scene<S> {
         if let Some(entered) = material.medium(hit.front != scatter.transmitted) {
             path.medium = (entered != DVec3::ONE).then_some(entered);
         }
-        path.go_on(Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.surface) })
+        path.go_on(Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.part) })
     }
 }
 

@@ -6,7 +6,7 @@ use bsdftree_device::material::Material;
 use bsdftree_device::shape::Shape;
 use bsdftree_device::{Device, NamedMaterial};
 use bsdftree_generate::bvh::{Bvh, BvhError, Hit, Ray, Simd};
-use bvh_scenes::{Random, blind, chords, device, mesh, mixture, sphere_mesh, triangle};
+use bvh_scenes::{Random, blind, chords, device, mesh, mixture, shared_mesh, sphere_mesh, triangle};
 use glam::{DVec3, dvec3};
 
 fn ray(origin: DVec3, direction: DVec3) -> Ray {
@@ -27,7 +27,7 @@ fn distances(shape: &Shape, ray: &Ray) -> Option<f64> {
         vec![(-b - root) / (2.0 * a), (-b + root) / (2.0 * a)]
     };
     match shape {
-        Shape::Polygon(_) => {
+        Shape::Polygon(_) | Shape::Mesh(_) => {
             first(shape.triangulate().iter().filter_map(|t| moller_trumbore(t, o, d)).collect())
         }
         Shape::Sphere { center, radius, .. } => {
@@ -183,7 +183,7 @@ fn leave(hit: &Hit, to_front: bool, grazing: f64, random: &mut Random) -> Ray {
     let d = random.direction();
     let along = (d - side * side.dot(d)).normalize();
     let up = if random.unit() < 0.5 { grazing } else { random.between(0.01, 1.0) };
-    Ray { origin: hit.position, direction: (along + side * up).normalize(), from: Some(hit.surface) }
+    Ray { origin: hit.position, direction: (along + side * up).normalize(), from: Some(hit.part) }
 }
 
 fn slab(width: f64, thickness: f64, n: usize) -> Device {
@@ -226,7 +226,7 @@ fn walk_inside(device: &Device, start: DVec3, n_paths: usize, n_bounces: usize, 
         for bounce in 0..n_bounces {
             let hit = bvh.closest(&r).unwrap_or_else(|| panic!("leaked at bounce {bounce}: {r:?}"));
             assert!(!hit.front, "front met from inside at bounce {bounce}: {r:?}, {hit:?}");
-            assert!(curved || Some(hit.surface) != r.from, "met itself: {r:?}, {hit:?}");
+            assert!(curved || Some(hit.part) != r.from, "met itself: {r:?}, {hit:?}");
             r = leave(&hit, false, grazing, &mut random);
         }
     }
@@ -271,7 +271,9 @@ fn paths_stay_inside_spheres_tubes_and_cones() {
 
 #[test]
 fn paths_stay_inside_a_bumpy_mesh() {
-    walk_inside(&mesh(&sphere_mesh(60, 80, 0.1)), DVec3::ZERO, 300, 300, 1e-4, false);
+    let bumpy = sphere_mesh(60, 80, 0.1);
+    walk_inside(&mesh(&bumpy), DVec3::ZERO, 300, 300, 1e-4, false);
+    walk_inside(&shared_mesh(&bumpy), DVec3::ZERO, 300, 300, 1e-4, false);
 }
 
 #[test]
@@ -328,7 +330,7 @@ fn chords_of_a_sphere_keep_their_length() {
     let (center, radius) = (dvec3(1.0, 2.0, 3.0), 0.7);
     let bvh = Bvh::build(&device([Shape::Sphere { center, radius, inward: true }])).unwrap();
     let first = bvh.closest(&ray(center + dvec3(0.1, 0.0, 0.0), DVec3::Y)).unwrap();
-    let mut r = Ray { origin: first.position, direction: DVec3::Y, from: Some(first.surface) };
+    let mut r = Ray { origin: first.position, direction: DVec3::Y, from: Some(first.part) };
     for _ in 0..10_000 {
         // Reflect: the path stays in a plane, all chords are equal.
         let n = (r.origin - center).normalize();

@@ -112,10 +112,10 @@ impl Builtin {
             (Sqrt, &[x]) => x.sqrt(),
             (Tan, &[x]) => libm::tan(x),
             (Fnoise3, &[x, y, z]) => noise::fractal([x, y, z]),
-            (Noise3x, &[x, y, z]) => noise::smooth([x, y, z])[0],
-            (Noise3y, &[x, y, z]) => noise::smooth([x, y, z])[1],
-            (Noise3z, &[x, y, z]) => noise::smooth([x, y, z])[2],
-            (Noise3, &[x, y, z]) => noise::smooth([x, y, z])[3],
+            (Noise3x, &[x, y, z]) => noise::slope([x, y, z], 0),
+            (Noise3y, &[x, y, z]) => noise::slope([x, y, z], 1),
+            (Noise3z, &[x, y, z]) => noise::slope([x, y, z], 2),
+            (Noise3, &[x, y, z]) => noise::smooth([x, y, z]),
             (Hermite, &[p0, p1, r0, r1, t]) => noise::hermite(p0, p1, r0, r1, t),
             (Max, &[first, ref rest @ ..]) => {
                 rest.iter().rev().fold(first, |a, &b| if a < b { b } else { a })

@@ -17,6 +17,7 @@ pub struct Context {
     table: Arc<Table>,
     scope: Arc<str>,
     n_channels: u32,
+    has_outputs: bool,
 }
 
 impl Default for Context {
@@ -26,9 +27,9 @@ impl Default for Context {
 }
 
 impl Context {
-    /// Library functions only. Any channel may be used.
+    /// Library functions only, as `rcalc` has it: any channel may be used, and `$1 = …;` defines an output.
     pub fn new() -> Self {
-        Context { table: Arc::default(), scope: "".into(), n_channels: u32::MAX }
+        Context { table: Arc::default(), scope: "".into(), n_channels: u32::MAX, has_outputs: true }
     }
 
     /// Library functions and the standard names of a renderer; a ray has the channels of [`rayinit`].
@@ -38,6 +39,7 @@ impl Context {
             let mut context = Context::new();
             context.load(rayinit::DEFINITIONS, "standard names").expect("our own definitions are right");
             context.n_channels = rayinit::N_NUMBERED;
+            context.has_outputs = false;
             context
         });
         standard.clone()
@@ -105,6 +107,13 @@ impl Context {
         Ok(Expression::new(Compiler::new(&table, usize::MAX).link(&[body])))
     }
 
+    /// Compiles the formula of output `$n`; `None` if there is no such output.
+    pub fn output(&self, n: u32) -> Option<Expression> {
+        let id = self.table.find(&parse::output_name(n), "")?;
+        let body = self.table.entry(id).definition.as_ref()?.body.clone();
+        Some(Expression::new(Compiler::new(&self.table, usize::MAX).link(&[body])))
+    }
+
     /// Compiles formulas that are evaluated together.
     ///
     /// # Errors
@@ -166,6 +175,6 @@ impl Context {
     }
 
     fn setting<'s>(&'s self, place: &'s Place) -> Setting<'s> {
-        Setting { scope: &self.scope, n_channels: self.n_channels, place }
+        Setting { scope: &self.scope, n_channels: self.n_channels, has_outputs: self.has_outputs, place }
     }
 }

@@ -83,6 +83,7 @@ fn evaluated(table: &Table, body: &Body, budget: &mut Budget) -> Option<f64> {
         return None;
     }
     let mut scratch = Scratch::default();
+    scratch.begin(&program);
     let limits = Limits { steps: budget.0.min(MAX_COST), ..Limits::default() };
     let value = machine::run(&program, entry.pc, &(), &mut scratch, limits);
     budget.0 = budget.0.saturating_sub(scratch.steps());

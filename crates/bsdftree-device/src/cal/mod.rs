@@ -38,6 +38,7 @@
 //! * More arguments than a function has parameters are ignored; fewer are an error once one is needed.
 //!
 //! # Deviations
+//! * After a fault the value may differ: in Radiance every library function around it is 0 as well.
 //! * A `:` definition that depends on the ray is computed anew for each ray; Radiance keeps the value of the first one.
 //! * `x / 49` is divided, where Radiance multiplies by a rounded 1/49, so that floor(49/49) is 1 here and 0 there.
 //! * A variable that is defined by itself is an error; Radiance takes a value from before.

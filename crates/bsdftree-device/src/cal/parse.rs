@@ -25,6 +25,8 @@ const MAX_PARAMETERS: usize = 4096;
 pub(super) struct Setting<'s> {
     pub scope: &'s str,
     pub n_channels: u32,
+    /// Whether `$1 = …` may stand there.
+    pub has_outputs: bool,
     pub place: &'s Place,
 }
 
@@ -37,6 +39,11 @@ pub(super) fn definitions(table: &mut Table, text: &str, setting: &Setting) -> R
         }
     }
     Ok(())
+}
+
+/// The name under which `$n` is kept; no other name looks like it.
+pub(super) fn output_name(n: u32) -> String {
+    format!("${n}")
 }
 
 /// Reads one expression; names that nobody knows get an entry in `table`.
@@ -56,6 +63,7 @@ struct Parser<'a, 't> {
     table: &'t mut Table,
     scope: &'t str,
     n_channels: u32,
+    has_outputs: bool,
     /// Of the function that is being defined.
     parameters: Vec<&'a str>,
     nodes: Vec<Node>,
@@ -79,6 +87,7 @@ impl<'a, 't> Parser<'a, 't> {
             table,
             scope: setting.scope,
             n_channels: setting.n_channels,
+            has_outputs: setting.has_outputs,
             parameters: vec![],
             nodes: vec![],
             arguments: vec![],
@@ -88,9 +97,12 @@ impl<'a, 't> Parser<'a, 't> {
     }
 
     fn statement(&mut self) -> Result<(), CalError> {
+        if self.scan.peek() == Some(b'$') && self.has_outputs {
+            return self.output();
+        }
         if !self.scan.at_name() {
             let advice = match self.scan.peek() {
-                Some(b'$') => "outputs such as '$1 = …' belong to rcalc; define a variable",
+                Some(b'$') => "outputs such as '$1 = …' belong to rcalc: define a variable",
                 Some(b'_' | b'0'..=b'9') => "a name begins with a letter",
                 _ => "write definitions such as 'a = 1;', 'pi : 3.14;' or 'f(x) = x*x;'",
             };
@@ -98,24 +110,41 @@ impl<'a, 't> Parser<'a, 't> {
         }
         let at = self.scan.place();
         let name = self.scan.name()?;
-        self.parameters.clear();
         let n_parameters = if self.scan.peek() == Some(b'(') { Some(self.parameter_list()?) } else { None };
-        let is_constant = match self.scan.peek() {
-            Some(b':') => true,
-            Some(b'=') => false,
-            _ => return Err(self.scan.unexpected(format!("'=' or ':' after '{name}'"), "define it by '='")),
-        };
+        let is_constant = self.scan.peek() == Some(b':');
+        if !is_constant && self.scan.peek() != Some(b'=') {
+            return Err(self.scan.unexpected(format!("'=' or ':' after '{name}'"), "define it by '='"));
+        }
+        let body = self.defined_as(name)?;
+        let id = self.table.local(name, self.scope);
+        self.table.define(id, Definition { n_parameters, is_constant, body, at });
+        self.parameters.clear();
+        Ok(())
+    }
+
+    /// `$n = e`
+    fn output(&mut self) -> Result<(), CalError> {
+        let at = self.scan.place();
+        self.scan.advance()?;
+        let name = output_name(self.channel_number()?);
+        if self.scan.peek() != Some(b'=') {
+            return Err(self.scan.unexpected(format!("'=' after '{name}'"), "define it by '='"));
+        }
+        let body = self.defined_as(&name)?;
+        let id = self.table.local(&name, "");
+        self.table.define(id, Definition { n_parameters: None, is_constant: false, body, at });
+        Ok(())
+    }
+
+    /// What stands behind `=` or `:`, and the end of the statement.
+    fn defined_as(&mut self, name: &str) -> Result<Arc<Body>, CalError> {
         self.scan.advance()?;
         let root = self.sum()?;
         if self.scan.peek().is_some() && !self.scan.take(b';')? {
             let advice = format!("end the definition of '{name}' by ';'");
             return Err(self.scan.unexpected("an operator or ';'", advice));
         }
-        let body = Arc::new(self.body(root));
-        let id = self.table.local(name, self.scope);
-        self.table.define(id, Definition { n_parameters, is_constant, body, at });
-        self.parameters.clear();
-        Ok(())
+        Ok(Arc::new(self.body(root)))
     }
 
     fn parameter_list(&mut self) -> Result<u16, CalError> {
@@ -248,12 +277,13 @@ impl<'a, 't> Parser<'a, 't> {
 
     fn channel(&mut self) -> Result<NodeId, CalError> {
         self.scan.advance()?;
-        let digits = self.scan.digits()?;
-        match digits.parse::<u32>() {
-            Ok(n) if n > self.n_channels => Ok(self.node(Kind::NoChannel(n))),
-            Ok(n) if n > 0 => Ok(self.node(Kind::Channel(n))),
-            _ => Err(self.scan.unexpected("the number of a channel after '$'", "write $1, $2, …")),
-        }
+        let n = self.channel_number()?;
+        Ok(self.node(if n > self.n_channels { Kind::NoChannel(n) } else { Kind::Channel(n) }))
+    }
+
+    fn channel_number(&mut self) -> Result<u32, CalError> {
+        let before = self.scan.unexpected("the number of a channel after '$'", "write $1, $2, …");
+        self.scan.digits()?.parse().ok().filter(|&n| n > 0).ok_or(before)
     }
 
     /// A parameter, a variable, or a call.

@@ -13,9 +13,10 @@ use crate::device::{Device, NamedMaterial, Surface};
 use crate::error::{DeviceError, Place};
 use crate::material::Material;
 use crate::options::Limits;
+use crate::shape::Shape;
 
 /// A device that grows.
-pub(super) struct Collection {
+pub(crate) struct Collection {
     limits: Limits,
     bytes_used: u64,
     device: Device,
@@ -26,7 +27,7 @@ pub(super) struct Collection {
 }
 
 impl Collection {
-    pub(super) fn new(limits: Limits) -> Self {
+    pub(crate) fn new(limits: Limits) -> Self {
         Collection {
             limits,
             bytes_used: 0,
@@ -37,7 +38,7 @@ impl Collection {
         }
     }
 
-    pub(super) fn into_device(mut self) -> Device {
+    pub(crate) fn into_device(mut self) -> Device {
         if self.n_untold > 0 {
             self.device.warnings.push(format!("and {} more warnings", self.n_untold));
         }
@@ -62,27 +63,45 @@ impl Collection {
         }
         let name = format!("{}{}", placement.prefix, p.name);
         self.spend((name.len() + 8 * p.reals.len() + 128) as u64, at)?;
-        let shape = match shape::place(p, &placement.transform, placement.invert) {
+        let shaped = shape::place(p, &placement.transform, placement.invert);
+        let Some(shape) = self.kept(&p.kind, &name, shaped, at)? else { return Ok(()) };
+        let material = self.material(definition, &name, at)?;
+        self.push(Surface { name, shape, material }, at)
+    }
+
+    /// A surface's shape, unless it is dropped.
+    pub(crate) fn kept(
+        &mut self,
+        kind: &str,
+        name: &str,
+        shaped: Shaped,
+        at: &Place,
+    ) -> Result<Option<Shape>, DeviceError> {
+        let shape = match shaped {
             Shaped::Dropped(reason) => {
-                self.warn(format!("{at}: {} \"{name}\" is dropped: {reason}", p.kind));
-                return Ok(());
+                self.warn(format!("{at}: {kind} \"{name}\" is dropped: {reason}"));
+                return Ok(None);
             }
             Shaped::Shape(shape, notice) => {
                 if let Some(notice) = notice {
-                    self.warn(format!("{at}: {} \"{name}\": {notice}", p.kind));
+                    self.warn(format!("{at}: {kind} \"{name}\": {notice}"));
                 }
                 shape
             }
         };
         let [low, high] = shape.bounds();
-        if !(low.is_finite() && high.is_finite()) {
-            return Err(overflow(&format!("{} \"{name}\"", p.kind), at));
+        match low.is_finite() && high.is_finite() {
+            true => Ok(Some(shape)),
+            false => Err(overflow(&format!("{kind} \"{name}\""), at)),
         }
-        let material = self.material(definition, &name, at)?;
+    }
+
+    /// Adds a surface as it is.
+    pub(crate) fn push(&mut self, surface: Surface, at: &Place) -> Result<(), DeviceError> {
         if self.device.surfaces.len() as u64 >= self.limits.surfaces {
             return Err(too_large(at, "surfaces", self.limits.surfaces));
         }
-        self.device.surfaces.push(Surface { name, shape, material });
+        self.device.surfaces.push(surface);
         Ok(())
     }
 
@@ -106,7 +125,8 @@ impl Collection {
         Ok(index)
     }
 
-    fn index_of(&mut self, name: &str, material: &Material) -> u32 {
+    /// Index of a material in the device, which it enters if it is new.
+    pub(crate) fn index_of(&mut self, name: &str, material: &Material) -> u32 {
         let materials = &mut self.device.materials;
         // The debug form of an f64 is exact.
         *self.indices.entry(format!("{name} {material:?}")).or_insert_with(|| {
@@ -115,7 +135,8 @@ impl Collection {
         })
     }
 
-    fn warn(&mut self, warning: String) {
+    /// Tells the user something, once.
+    pub(crate) fn warn(&mut self, warning: String) {
         if self.told.contains(&warning) {
             return;
         }
@@ -128,7 +149,7 @@ impl Collection {
     }
 
     /// Counts memory that a statement or a copy takes.
-    pub(super) fn spend(&mut self, bytes: u64, at: &Place) -> Result<(), DeviceError> {
+    pub(crate) fn spend(&mut self, bytes: u64, at: &Place) -> Result<(), DeviceError> {
         self.bytes_used += bytes;
         if self.bytes_used > self.limits.bytes {
             return Err(too_large(at, "bytes after all copies are made", self.limits.bytes));
@@ -137,11 +158,11 @@ impl Collection {
     }
 }
 
-pub(super) fn too_large(at: &Place, what: &'static str, limit: u64) -> DeviceError {
+pub(crate) fn too_large(at: &Place, what: &'static str, limit: u64) -> DeviceError {
     DeviceError::TooLarge { at: at.clone(), what, limit }
 }
 
-pub(super) fn overflow(what: &str, at: &Place) -> DeviceError {
+pub(crate) fn overflow(what: &str, at: &Place) -> DeviceError {
     DeviceError::Unexpected {
         at: at.clone(),
         expected: "lengths within the range of numbers".to_owned(),

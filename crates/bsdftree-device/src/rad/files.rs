@@ -81,7 +81,7 @@ impl Source {
 }
 
 /// The text of a file; bytes that are not UTF-8, as in old comments, become replacement characters.
-pub(super) fn read(path: &Path, named_at: Option<&Place>) -> Result<String, DeviceError> {
+pub(crate) fn read(path: &Path, named_at: Option<&Place>) -> Result<String, DeviceError> {
     let error =
         |reason: String| DeviceError::File { path: path.to_owned(), named_at: named_at.cloned(), reason };
     let metadata = path.metadata().map_err(|e| error(e.to_string()))?;

@@ -19,7 +19,7 @@ mod files;
 mod material;
 mod problem;
 mod scene;
-mod shape;
+pub(crate) mod shape;
 mod statement;
 mod transform;
 mod types;
@@ -31,6 +31,11 @@ mod xform;
 mod tests;
 
 use std::path::{Path, PathBuf};
+
+pub(crate) use collect::{Collection, overflow, too_large};
+pub(crate) use files::read as read_text;
+pub(crate) use statement::{quoted, real};
+pub(crate) use transform::{Steps, Transform, Wrong};
 
 use files::Source;
 use scene::{Placement, Scene};

@@ -12,7 +12,7 @@ use crate::shape::Shape;
 
 /// What became of a surface primitive.
 #[derive(Debug, PartialEq)]
-pub(super) enum Shaped {
+pub(crate) enum Shaped {
     /// A surface, and perhaps something to tell.
     Shape(Shape, Option<&'static str>),
     /// Nothing, and why.
@@ -54,7 +54,7 @@ pub(super) fn place(primitive: &Primitive, to: &Transform, invert: bool) -> Shap
     }
 }
 
-fn polygon(vertices: Vec<DVec3>) -> Shaped {
+pub(crate) fn polygon(vertices: Vec<DVec3>) -> Shaped {
     let finite = vertices.iter().all(|v| v.is_finite());
     let shape = Shape::Polygon(vertices);
     // Overflow is an error of its own.
@@ -65,7 +65,7 @@ fn polygon(vertices: Vec<DVec3>) -> Shaped {
     Shaped::Shape(shape, bent)
 }
 
-fn sphere(center: DVec3, radius: f64, inward: bool) -> Shaped {
+pub(crate) fn sphere(center: DVec3, radius: f64, inward: bool) -> Shaped {
     if radius == 0.0 {
         return Shaped::Dropped("its radius is 0");
     }
@@ -73,7 +73,7 @@ fn sphere(center: DVec3, radius: f64, inward: bool) -> Shaped {
     Shaped::Shape(Shape::Sphere { center, radius: radius.abs(), inward: inward != (radius < 0.0) }, turned)
 }
 
-fn cone(ends: [DVec3; 2], radii: [f64; 2], inward: bool) -> Shaped {
+pub(crate) fn cone(ends: [DVec3; 2], radii: [f64; 2], inward: bool) -> Shaped {
     if ends[0] == ends[1] {
         return Shaped::Dropped("its axis has no length");
     }
@@ -91,7 +91,7 @@ fn cone(ends: [DVec3; 2], radii: [f64; 2], inward: bool) -> Shaped {
     Shaped::Shape(shape, negative.then_some("its negative radius turns it over"))
 }
 
-fn ring(center: DVec3, direction: DVec3, radii: [f64; 2]) -> Shaped {
+pub(crate) fn ring(center: DVec3, direction: DVec3, radii: [f64; 2]) -> Shaped {
     let [a, b] = radii;
     if a < 0.0 || b < 0.0 || a == b {
         return Shaped::Dropped("its radii are negative or equal");

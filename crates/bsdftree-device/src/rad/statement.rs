@@ -138,13 +138,13 @@ const ADVICE: &str = "check the argument counts (strings, integers: always 0, re
                       comments cannot stand inside a primitive";
 
 /// A finite decimal number; names such as `inf` are not numbers in Radiance.
-pub(super) fn real(text: &str) -> Option<f64> {
+pub(crate) fn real(text: &str) -> Option<f64> {
     let plain = text.bytes().all(|b| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
     if plain { text.parse().ok().filter(|x: &f64| x.is_finite()) } else { None }
 }
 
 /// A word in quotes, shortened for messages.
-pub(super) fn quoted(text: &str) -> String {
+pub(crate) fn quoted(text: &str) -> String {
     const LONGEST: usize = 60;
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("'{}…'", &text[..end]),

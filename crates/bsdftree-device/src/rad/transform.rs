@@ -10,7 +10,7 @@ use super::statement::{quoted, real};
 
 /// Rotation, uniform scale, mirror and translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Transform {
+pub(crate) struct Transform {
     affine: DAffine3,
     /// Absolute factor on lengths.
     pub scale: f64,
@@ -19,10 +19,10 @@ pub(super) struct Transform {
 }
 
 impl Transform {
-    pub(super) const IDENTITY: Transform =
+    pub(crate) const IDENTITY: Transform =
         Transform { affine: DAffine3::IDENTITY, scale: 1.0, mirrored: false };
 
-    pub(super) fn scaling(factor: f64) -> Self {
+    pub(crate) fn scaling(factor: f64) -> Self {
         let affine = DAffine3::from_scale(DVec3::splat(factor));
         Transform { affine, scale: factor.abs(), mirrored: factor < 0.0 }
     }
@@ -53,7 +53,7 @@ impl Transform {
     }
 
     /// First `self`, then `next`.
-    pub(super) fn then(&self, next: &Transform) -> Transform {
+    pub(crate) fn then(&self, next: &Transform) -> Transform {
         Transform {
             affine: next.affine * self.affine,
             scale: self.scale * next.scale,
@@ -74,30 +74,30 @@ impl Transform {
         result
     }
 
-    pub(super) fn point(&self, p: DVec3) -> DVec3 {
+    pub(crate) fn point(&self, p: DVec3) -> DVec3 {
         self.affine.transform_point3(p)
     }
 
     /// A direction, with its length scaled.
-    pub(super) fn vector(&self, v: DVec3) -> DVec3 {
+    pub(crate) fn vector(&self, v: DVec3) -> DVec3 {
         self.affine.transform_vector3(v)
     }
 
     /// Whether all of it can be computed with.
-    pub(super) fn is_finite(&self) -> bool {
+    pub(crate) fn is_finite(&self) -> bool {
         self.affine.is_finite() && self.scale.is_finite() && self.scale > 0.0
     }
 }
 
 /// What a command line should have said, and what it says.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Wrong {
+pub(crate) struct Wrong {
     pub expected: String,
     pub found: String,
 }
 
 impl Wrong {
-    pub(super) fn new(expected: impl Into<String>, found: Option<&str>) -> Self {
+    pub(crate) fn new(expected: impl Into<String>, found: Option<&str>) -> Self {
         let found = found.map_or_else(|| "the end of the words".to_owned(), quoted);
         Wrong { expected: expected.into(), found }
     }
@@ -113,7 +113,7 @@ enum Repeat {
 
 /// Groups of operations with their repetitions.
 #[derive(Clone, Debug)]
-pub(super) struct Steps {
+pub(crate) struct Steps {
     groups: Vec<(Repeat, Transform)>,
 }
 
@@ -125,7 +125,7 @@ impl Default for Steps {
 
 impl Steps {
     /// Takes the option that the words begin with. Returns how many words it used, 0 if it is not a transformation.
-    pub(super) fn take(&mut self, words: &[&str]) -> Result<usize, Wrong> {
+    pub(crate) fn take(&mut self, words: &[&str]) -> Result<usize, Wrong> {
         let Some(&option) = words.first() else { return Ok(0) };
         let number = |n: usize| {
             let word = words.get(n).copied();
@@ -166,7 +166,7 @@ impl Steps {
     }
 
     /// The counts of `-a`, outermost first.
-    pub(super) fn copies(&self) -> impl Iterator<Item = u64> {
+    pub(crate) fn copies(&self) -> impl Iterator<Item = u64> {
         self.groups.iter().filter_map(|(repeat, _)| match repeat {
             Repeat::Copies(n) => Some(*n),
             Repeat::Times(_) => None,
@@ -174,7 +174,7 @@ impl Steps {
     }
 
     /// The transformation of the copy with these indices, one for each `-a`.
-    pub(super) fn copy(&self, indices: &[u64]) -> Transform {
+    pub(crate) fn copy(&self, indices: &[u64]) -> Transform {
         let mut indices = indices.iter();
         self.groups.iter().fold(Transform::IDENTITY, |total, (repeat, each)| {
             let times = match repeat {

@@ -9,6 +9,7 @@ use glam::DVec3;
 
 use crate::device::Device;
 use crate::material::{Gloss, GlossKind, Material, Medium};
+use crate::mesh::write_polygons;
 use crate::shape::Shape;
 
 impl Device {
@@ -119,6 +120,7 @@ fn write_shape(to: &mut String, modifier: &str, name: &str, shape: &Shape) -> fm
             let (c, n) = (Triple(*center), Triple(*normal));
             writeln!(to, "\n{modifier} ring {name}\n0\n0\n8\n  {c}\n  {n}\n  {:?} {:?}", radii[0], radii[1])
         }
+        Shape::Mesh(mesh) => write_polygons(to, modifier, name, mesh),
     }
 }
 

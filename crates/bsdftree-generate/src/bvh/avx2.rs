@@ -163,8 +163,8 @@ impl Kernel for Avx2 {
                 _mm256_cmp_ps::<_CMP_GE_OQ>(lowest, _mm256_xor_ps(slack, minus)),
                 _mm256_cmp_ps::<_CMP_LE_OQ>(highest, slack),
             );
-            let surfaces = _mm256_loadu_si256(leaf.surfaces.as_ptr().cast());
-            let left = _mm256_castsi256_ps(_mm256_cmpeq_epi32(surfaces, _mm256_set1_epi32(from as i32)));
+            let parts = _mm256_loadu_si256(leaf.parts.as_ptr().cast());
+            let left = _mm256_castsi256_ps(_mm256_cmpeq_epi32(parts, _mm256_set1_epi32(from as i32)));
             let inside = _mm256_andnot_ps(left, inside);
             let det = _mm256_add_ps(_mm256_add_ps(u, v), w);
             let depth = _mm256_fmadd_ps(u, az, _mm256_fmadd_ps(v, bz, _mm256_mul_ps(w, cz)));

@@ -58,7 +58,7 @@ pub(crate) trait Kernel {
     /// As [`Kernel::new`].
     unsafe fn boxes(&self, node: &Node, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
 
-    /// Triangles the ray may meet at `0 ≤ t ≤ t_max`, except those of surface `from`.
+    /// Triangles the ray may meet at `0 ≤ t ≤ t_max`, except those of part `from`.
     ///
     /// # Safety
     /// As [`Kernel::new`].
@@ -187,7 +187,7 @@ impl Kernel for Portable {
                 let (det, slack) = (det[i].abs(), DEPTH_SLACK * leaf.slack[i]);
                 (t_det <= det * (t_max + T_SLACK) + slack)
                     & (t_det >= -(det * T_SLACK + slack))
-                    & (leaf.surfaces[i] != from)
+                    & (leaf.parts[i] != from)
             })
     }
 }

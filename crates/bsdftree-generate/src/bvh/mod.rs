@@ -27,6 +27,7 @@ mod split;
 mod traverse;
 
 use bsdftree_device::Device;
+use bsdftree_device::mesh::MeshPoint;
 use glam::DVec3;
 
 use analytic::Analytic;
@@ -37,14 +38,14 @@ use facet::Facet;
 use frame::Frame;
 pub(crate) use kernel::{Kernel, Portable};
 use node::{Child, Leaf, Node, WIDTH, edge_slack};
-use primitives::{Bounds, Primitives, Triangle};
+use primitives::{Bounds, MeshParts, Primitives, Triangle};
 pub use ray::{Hit, Ray};
 
 /// A tree of up to this size \[byte\] stays in the caches next to a core, where waiting costs less than asking.
 const NEARBY: usize = 512 << 10;
 
-/// No surface has this index.
-const NO_SURFACE: u32 = u32::MAX;
+/// No part of a device has this number.
+const NO_PART: u32 = u32::MAX;
 
 /// Which implementation of the filters runs. Results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +91,7 @@ impl Simd {
 /// let from_above = Ray { origin: DVec3::Z * 3.0, direction: -DVec3::Z, from: None };
 /// let hit = bvh.closest(&from_above).expect("above the ball");
 /// assert!((hit.t - 2.0).abs() < 1e-15 && hit.front && hit.normal == DVec3::Z);
-/// let through = Ray { origin: hit.position, direction: -DVec3::Z, from: Some(hit.surface) };
+/// let through = Ray { origin: hit.position, direction: -DVec3::Z, from: Some(hit.part) };
 /// assert!(bvh.closest(&through).is_some_and(|far| !far.front));
 /// # Ok::<(), bsdftree_generate::bvh::BvhError>(())
 /// ```
@@ -103,6 +104,10 @@ pub struct Bvh {
     analytic: Vec<(Analytic, u32)>,
     /// Material of each surface of the device.
     materials: Vec<u32>,
+    /// Parts below this number are surfaces, others are triangles of meshes.
+    n_surfaces: u32,
+    /// By their parts.
+    meshes: Vec<MeshParts>,
     simd: Simd,
     /// Whether it is worth asking for memory before it is needed.
     is_large: bool,
@@ -121,7 +126,7 @@ impl Bvh {
     /// No surface that can be hit; a coordinate or radius that is not finite or out of range; a missing material; more
     /// than 2²⁷ primitives.
     pub fn build(device: &Device) -> Result<Bvh, BvhError> {
-        let Primitives { frame, triangles, analytic } = Primitives::gather(device)?;
+        let Primitives { frame, triangles, analytic, meshes, .. } = Primitives::gather(device)?;
         let n_primitives = triangles.len() + analytic.len();
         if n_primitives > Child::LIMIT {
             return Err(BvhError::TooMany { found: n_primitives, limit: Child::LIMIT });
@@ -148,6 +153,8 @@ impl Bvh {
             facets,
             analytic,
             materials: device.surfaces.iter().map(|s| s.material).collect(),
+            n_surfaces: device.surfaces.len() as u32,
+            meshes,
             simd: Simd::detect(),
             is_large: bytes > NEARBY,
             on_plane: 4.0 * frame.grain,
@@ -165,6 +172,30 @@ impl Bvh {
     /// Corners of what can be hit \[m\].
     pub fn bounds(&self) -> [DVec3; 2] {
         self.frame.bounds.map(|p| self.frame.device_from_local(p))
+    }
+
+    /// What the mesh that was met knows of that point: nothing, if it was no mesh.
+    #[inline]
+    pub fn mesh_point(&self, hit: &Hit) -> Option<MeshPoint> {
+        if hit.part < self.n_surfaces {
+            return None;
+        }
+        let MeshParts { first, mesh, .. } = self.mesh_of(hit.part);
+        Some(mesh.at((hit.part - first) as usize, hit.position))
+    }
+
+    /// The number that [`Hit::part`] has on a surface, on this triangle if it is a mesh.
+    pub(crate) fn part(&self, surface: u32, triangle: usize) -> u32 {
+        match self.meshes.binary_search_by_key(&surface, |mesh| mesh.surface) {
+            Ok(k) => self.meshes[k].first + triangle as u32,
+            Err(_) => surface,
+        }
+    }
+
+    /// The mesh that a part is a triangle of.
+    #[cold]
+    fn mesh_of(&self, part: u32) -> &MeshParts {
+        &self.meshes[self.meshes.partition_point(|mesh| mesh.first <= part) - 1]
     }
 
     /// Which implementation runs.
@@ -222,7 +253,7 @@ fn leaf(items: &[u32], triangles: &[Triangle], facets: &mut Vec<Facet>) -> Leaf 
         let bounds = Bounds::of(&triangle.corners);
         let extent = (0..3).map(|axis| bounds.extent(axis)).fold(0.0, f32::max);
         leaf.slack[lane] = edge_slack(extent + 4.0 * node::U);
-        leaf.surfaces[lane] = triangle.surface;
+        leaf.parts[lane] = triangle.part;
         facets.push(triangle.facet.clone());
     }
     leaf

@@ -30,8 +30,8 @@ pub(crate) struct Leaf {
     pub corners: [[[f32; WIDTH]; 3]; 3],
     /// Bound on the error of an edge function, see [`edge_slack`]; negative in unused lanes.
     pub slack: [f32; WIDTH],
-    /// Index into `Device::surfaces`.
-    pub surfaces: [u32; WIDTH],
+    /// See [`Hit::part`](super::Hit::part).
+    pub parts: [u32; WIDTH],
     /// Facet of lane 0; the others follow.
     pub first: u32,
 }
@@ -103,6 +103,6 @@ impl Default for Node {
 
 impl Default for Leaf {
     fn default() -> Leaf {
-        Leaf { corners: [[[0.0; WIDTH]; 3]; 3], slack: [-1.0; WIDTH], surfaces: [u32::MAX; WIDTH], first: 0 }
+        Leaf { corners: [[[0.0; WIDTH]; 3]; 3], slack: [-1.0; WIDTH], parts: [u32::MAX; WIDTH], first: 0 }
     }
 }

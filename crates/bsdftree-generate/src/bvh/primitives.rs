@@ -3,11 +3,15 @@
 //! Enters: a `Device`. Leaves: checked, finite primitives in the order of the surfaces; void ones are left out.
 //! Invariant: all facets of a planar polygon share its plane to the bit.
 
+use std::sync::Arc;
+
 use bsdftree_device::Device;
 use bsdftree_device::material::Material;
+use bsdftree_device::mesh::Mesh;
 use bsdftree_device::shape::Shape;
 use glam::DVec3;
 
+use super::NO_PART;
 use super::analytic::Analytic;
 use super::error::BvhError;
 use super::facet::Facet;
@@ -57,7 +61,17 @@ impl Bounds {
 pub(super) struct Triangle {
     pub corners: [DVec3; 3],
     pub facet: Facet,
+    pub part: u32,
+}
+
+/// A mesh of a device; its triangles are parts that follow one another.
+#[derive(Clone, Debug)]
+pub(super) struct MeshParts {
+    /// Part of its first triangle.
+    pub first: u32,
+    /// Index into `Device::surfaces`.
     pub surface: u32,
+    pub mesh: Arc<Mesh>,
 }
 
 /// Triangles and analytic surfaces, and the frame they are in.
@@ -65,6 +79,10 @@ pub(super) struct Primitives {
     pub frame: Frame,
     pub triangles: Vec<Triangle>,
     pub analytic: Vec<(Analytic, Bounds, u32)>,
+    /// In the order of the surfaces, and so of their parts.
+    pub meshes: Vec<MeshParts>,
+    /// Parts so far: those of the surfaces themselves come first.
+    n_parts: u64,
 }
 
 impl Primitives {
@@ -99,9 +117,14 @@ impl Primitives {
             .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
             .ok_or(nothing.clone())?;
         let frame = Frame::new(corners);
-        let mut found = Primitives { frame, triangles: Vec::new(), analytic: Vec::new() };
+        let n_parts = device.surfaces.len() as u64;
+        let mut found =
+            Primitives { frame, triangles: Vec::new(), analytic: Vec::new(), meshes: Vec::new(), n_parts };
         for (index, surface) in solid() {
             found.add(&surface.shape, index as u32);
+        }
+        if found.n_parts > NO_PART as u64 {
+            return Err(BvhError::TooMany { found: found.n_parts as usize, limit: NO_PART as usize });
         }
         if found.triangles.is_empty() && found.analytic.is_empty() {
             return Err(nothing);
@@ -120,7 +143,20 @@ impl Primitives {
                 for corners in shape.triangulate() {
                     let corners = corners.map(local);
                     if let Some(facet) = Facet::new(corners, plane) {
-                        self.triangles.push(Triangle { corners, facet, surface });
+                        self.triangles.push(Triangle { corners, facet, part: surface });
+                    }
+                }
+                return;
+            }
+            Shape::Mesh(mesh) => {
+                // More than fit make `gather` fail.
+                let first = self.n_parts as u32;
+                self.n_parts += mesh.triangles.len() as u64;
+                self.meshes.push(MeshParts { first, surface, mesh: mesh.clone() });
+                for k in 0..mesh.triangles.len() {
+                    let corners = mesh.corners(k).map(local);
+                    if let Some(facet) = Facet::new(corners, None) {
+                        self.triangles.push(Triangle { corners, facet, part: first.wrapping_add(k as u32) });
                     }
                 }
                 return;
@@ -164,6 +200,8 @@ fn taper(ends: [DVec3; 2], radii: [f64; 2], inward: bool) -> Analytic {
     Analytic::Taper { base: ends[0], axis: along / length, length, radius: radii[0], slope, inward }
 }
 
+const SOUND: &str = "indices of vertices, and for every vertex a normal and texture coordinates, or for none";
+
 type Fault = (&'static str, String, &'static str);
 
 fn check(shape: &Shape) -> Result<(), Fault> {
@@ -201,6 +239,13 @@ fn check(shape: &Shape) -> Result<(), Fault> {
             length("the length of the normal", normal.length(), false)?;
             length("the inner radius", radii[0], true)?;
             length("the outer radius", radii[1], false)
+        }
+        Shape::Mesh(mesh) if !mesh.is_sound() => {
+            Err(("a list of indices, normals or texture coordinates", "one that does not fit".into(), SOUND))
+        }
+        Shape::Mesh(mesh) => {
+            let used = mesh.triangles.iter().flatten();
+            used.map(|&k| &mesh.vertices.positions[k as usize]).try_for_each(|p| point("a vertex", p))
         }
     }
 }

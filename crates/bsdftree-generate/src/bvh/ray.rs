@@ -9,9 +9,8 @@ pub struct Ray {
     pub origin: DVec3,
     /// Where it goes; unit length.
     pub direction: DVec3,
-    /// Index in `Device::surfaces` of the surface it has just left ([`Hit::surface`]), which a flat surface cannot
-    /// be hit again and a curved one only at its far side. `None`: the ray starts in space, and a surface at its
-    /// very origin counts.
+    /// What it has just left ([`Hit::part`]): if flat, it cannot be hit again, if curved, only at its far side. `None`:
+    /// the ray starts in space, and a surface at its very origin counts.
     pub from: Option<u32>,
 }
 
@@ -28,6 +27,8 @@ pub struct Hit {
     pub front: bool,
     /// Index into `Device::surfaces`.
     pub surface: u32,
+    /// A number of the surface, or of the triangle if the surface is a mesh, which no other has: for [`Ray::from`].
+    pub part: u32,
     /// Index into `Device::materials`.
     pub material: u32,
 }

@@ -6,26 +6,26 @@ mod bvh_scenes;
 use glam::{DVec3, dvec3};
 
 use super::traverse::LocalRay;
-use super::{Bvh, NO_SURFACE, Ray, Simd};
+use super::{Bvh, NO_PART, Ray, Simd};
 use bvh_scenes::{Random, device, sphere_mesh, triangle};
 
-/// Least (t, surface) over all facets, without tree and filters.
+/// Least (t, part) over all facets, without tree and filters.
 fn every_facet(bvh: &Bvh, ray: &Ray) -> Option<(f64, u32)> {
     let local = LocalRay::new(bvh, ray)?;
     let on_plane = if ray.from.is_some() { bvh.on_plane } else { 0.0 };
-    let mut best = (f64::INFINITY, NO_SURFACE);
+    let mut best = (f64::INFINITY, NO_PART);
     for leaf in &bvh.leaves {
         for lane in
-            (0..super::WIDTH).filter(|&lane| leaf.slack[lane] > 0.0 && Some(leaf.surfaces[lane]) != ray.from)
+            (0..super::WIDTH).filter(|&lane| leaf.slack[lane] > 0.0 && Some(leaf.parts[lane]) != ray.from)
         {
             let facet = &bvh.facets[leaf.first as usize + lane];
             let hit = facet.hit(local.origin, ray.direction, f64::INFINITY, on_plane, bvh.slack);
-            if let Some(t) = hit.filter(|&t| (t, leaf.surfaces[lane]) < best) {
-                best = (t, leaf.surfaces[lane]);
+            if let Some(t) = hit.filter(|&t| (t, leaf.parts[lane]) < best) {
+                best = (t, leaf.parts[lane]);
             }
         }
     }
-    (best.1 != NO_SURFACE).then_some((best.0 * bvh.frame.scale + local.skipped, best.1))
+    (best.1 != NO_PART).then_some((best.0 * bvh.frame.scale + local.skipped, best.1))
 }
 
 /// Rays at everything an edge function can get wrong: corners, edges, planes, near and far, along axes, from surfaces.
@@ -61,7 +61,7 @@ fn filters_lose_nothing_on(triangles: &[[DVec3; 3]], n_rays: usize, seed: u64) {
     for simd in [Simd::Portable, Simd::Avx2].into_iter().filter(|s| s.is_available()) {
         let bvh = built.clone().with_simd(simd).unwrap();
         for ray in &rays {
-            let found = bvh.closest(ray).map(|hit| (hit.t, hit.surface));
+            let found = bvh.closest(ray).map(|hit| (hit.t, hit.part));
             assert_eq!(found, every_facet(&bvh, ray), "{simd:?} {ray:?}");
             n_hits += found.is_some() as usize;
         }

@@ -1,6 +1,6 @@
 //! The walk through the tree: filters in f32 choose, f64 decides.
 //!
-//! Enters: a ray. Leaves: the surface with the least (t, index) among all that f64 arithmetic meets. As filters lose
+//! Enters: a ray. Leaves: the surface with the least (t, part) among all that f64 arithmetic meets. As filters lose
 //! nothing, this does not depend on the order of the walk, the shape of the tree, or the kernel.
 
 use std::mem::MaybeUninit;
@@ -12,7 +12,7 @@ use super::frame::Frame;
 use super::kernel::Kernel;
 use super::node::{Child, Target, WIDTH};
 use super::ray::{Hit, Ray};
-use super::{Bvh, NO_SURFACE};
+use super::{Bvh, NO_PART};
 
 /// Room for 7 waiting siblings on each of 73 levels; `split.rs` keeps trees below 36 + 27.
 const STACK: usize = 512;
@@ -27,7 +27,7 @@ const FARTHEST: f64 = 1e30;
 #[derive(Clone, Copy)]
 struct Nearest {
     t: f64,
-    surface: u32,
+    part: u32,
     /// Facet, or `!index` of an analytic surface.
     primitive: u32,
 }
@@ -39,7 +39,7 @@ pub(super) struct LocalRay<'a> {
     pub origin: DVec3,
     /// Distance \[m\] skipped in front of the box.
     pub skipped: f64,
-    /// Surface just left, or [`NO_SURFACE`].
+    /// Part just left, or [`NO_PART`].
     pub from: u32,
 }
 
@@ -48,7 +48,7 @@ impl<'a> LocalRay<'a> {
     #[inline(always)]
     pub fn new(bvh: &Bvh, ray: &'a Ray) -> Option<LocalRay<'a>> {
         let origin = bvh.frame.local_from_device(ray.origin);
-        let from = ray.from.unwrap_or(NO_SURFACE);
+        let from = ray.from.unwrap_or(NO_PART);
         if Frame::is_near(origin) {
             return Some(LocalRay { ray, origin, skipped: 0.0, from });
         }
@@ -68,7 +68,7 @@ pub(super) unsafe fn closest<K: Kernel>(bvh: &Bvh, ray: &Ray) -> Option<Hit> {
     unsafe {
         let kernel = K::new(local.origin, ray.direction);
         let best = walk(bvh, &kernel, &local);
-        if best.surface == NO_SURFACE {
+        if best.part == NO_PART {
             return None;
         }
         Some(bvh.describe(&kernel, &local, best))
@@ -82,9 +82,9 @@ unsafe fn walk<K: Kernel>(bvh: &Bvh, kernel: &K, ray: &LocalRay) -> Nearest {
     // SAFETY: `K`'s features are the caller's promise. Indices come from the builder, which put every child there. The
     // stack holds what it was given before it is read, and cannot overflow: see STACK.
     unsafe {
-        let mut best = Nearest { t: FARTHEST, surface: NO_SURFACE, primitive: 0 };
+        let mut best = Nearest { t: FARTHEST, part: NO_PART, primitive: 0 };
         let mut limit = best.t as f32;
-        let on_plane = if ray.from == NO_SURFACE { 0.0 } else { bvh.on_plane };
+        let on_plane = if ray.from == NO_PART { 0.0 } else { bvh.on_plane };
         // An entry is the bits of a lower bound of t ≥ 0, which sort as integers, above the child.
         let mut stack = [MaybeUninit::<u64>::uninit(); STACK];
         let mut height = 0;
@@ -152,7 +152,7 @@ unsafe fn walk<K: Kernel>(bvh: &Bvh, kernel: &K, ray: &LocalRay) -> Nearest {
                             bvh.slack,
                         );
                         if let Some(t) = found {
-                            best = best.or(t, leaf.surfaces[lane], facet);
+                            best = best.or(t, leaf.parts[lane], facet);
                             limit = best.t as f32;
                         }
                     }
@@ -214,7 +214,7 @@ impl Bvh {
             direction: ray.ray.direction,
             t_max: best.t,
             leaving: *surface == ray.from,
-            on_plane: if ray.from == NO_SURFACE { 0.0 } else { self.on_plane },
+            on_plane: if ray.from == NO_PART { 0.0 } else { self.on_plane },
             slack: self.slack,
         };
         match shape.hit(&query) {
@@ -228,7 +228,9 @@ impl Bvh {
         let (origin, direction) = (local.ray.origin, local.ray.direction);
         let t = best.t * self.frame.scale + local.skipped;
         let p = local.origin + direction * best.t;
-        let (surface, material) = (best.surface, self.materials[best.surface as usize]);
+        let part = best.part;
+        let surface = if part < self.n_surfaces { part } else { self.mesh_of(part).surface };
+        let material = self.materials[surface as usize];
         let mut position = origin + direction * t;
         if best.primitive as i32 >= 0 {
             let facet = &self.facets[best.primitive as usize];
@@ -237,23 +239,19 @@ impl Bvh {
                 position += (facet.inset(p, self.inset) - p) * self.frame.scale;
             }
             let normal = facet.normal();
-            return Hit { t, position, normal, front: normal.dot(direction) < 0.0, surface, material };
+            return Hit { t, position, normal, front: normal.dot(direction) < 0.0, surface, part, material };
         }
         let (shape, _) = &self.analytic[!best.primitive as usize];
         position += (shape.inset(p, self.inset) - p) * self.frame.scale;
         let normal = shape.normal(p);
-        Hit { t, position, normal, front: normal.dot(direction) < 0.0, surface, material }
+        Hit { t, position, normal, front: normal.dot(direction) < 0.0, surface, part, material }
     }
 }
 
 impl Nearest {
-    /// The nearer; of equally near ones that of the lower surface.
+    /// The nearer; of equally near ones the lower part.
     #[inline(always)]
-    fn or(self, t: f64, surface: u32, primitive: u32) -> Nearest {
-        if t < self.t || (t == self.t && surface < self.surface) {
-            Nearest { t, surface, primitive }
-        } else {
-            self
-        }
+    fn or(self, t: f64, part: u32, primitive: u32) -> Nearest {
+        if t < self.t || (t == self.t && part < self.part) { Nearest { t, part, primitive } } else { self }
     }
 }

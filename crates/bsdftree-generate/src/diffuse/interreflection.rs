@@ -73,7 +73,7 @@ fn row<S: Spectrum>(walker: &Walker<S>, site: usize, walks: u64, replicate: usiz
         let mut start = stratified.start(seed, stream, k * N_REPLICATES as u64 + replicate as u64);
         let point = &points[(start.origin[0] * points.len() as f64) as usize];
         let direction = lambertian_direction(point.normal, start.incident);
-        let ray = Ray { origin: point.position, direction, from: Some(point.surface) };
+        let ray = Ray { origin: point.position, direction, from: Some(point.part) };
         walk(walker.scene, walker.tile, Lobes::Specular, (ray, medium), &mut start.random, |meeting| {
             for (normal, albedo) in [meeting.facing, -meeting.facing].into_iter().zip(meeting.albedo) {
                 if albedo != S::BLACK {

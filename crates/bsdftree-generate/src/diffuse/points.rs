@@ -8,14 +8,16 @@
 use bsdftree_device::{Device, Shape};
 use glam::DVec3;
 
+use crate::bvh::Bvh;
+
 /// A point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
     pub position: DVec3,
     /// Unit normal of the front.
     pub normal: DVec3,
-    /// Index into `Device::surfaces`.
-    pub surface: u32,
+    /// See [`Hit::part`](crate::bvh::Hit::part).
+    pub part: u32,
 }
 
 /// Points, each of which stands for the same area.
@@ -38,6 +40,7 @@ impl Points {
     /// About `count` points on the surfaces that `wanted` holds for.
     pub fn spread(
         device: &Device,
+        bvh: &Bvh,
         period: Option<[DVec3; 2]>,
         count: usize,
         wanted: impl Fn(u32) -> bool,
@@ -45,11 +48,14 @@ impl Points {
         let mut elements = Vec::new();
         for (surface, s) in device.surfaces.iter().enumerate().filter(|(_, s)| wanted(s.material)) {
             let surface = surface as u32;
+            let mut add = |triangle, part| {
+                let pieces = period.map_or_else(|| vec![triangle], |b| clipped(triangle, b));
+                elements.extend(pieces.into_iter().map(|t| (Element::Triangle(t), part)));
+            };
             if let Shape::Polygon(_) = s.shape {
-                for triangle in s.shape.triangulate() {
-                    let parts = period.map_or_else(|| vec![triangle], |b| clipped(triangle, b));
-                    elements.extend(parts.into_iter().map(|t| (Element::Triangle(t), surface)));
-                }
+                s.shape.triangulate().into_iter().for_each(|triangle| add(triangle, surface));
+            } else if let Shape::Mesh(mesh) = &s.shape {
+                mesh.solid().for_each(|(k, triangle)| add(triangle, bvh.part(surface, k)));
             } else if period.is_none_or(|b| meets(s.shape.bounds(), b)) {
                 elements.push((Element::Round(&s.shape), surface));
             }
@@ -65,14 +71,14 @@ impl Points {
             let points: Vec<Point> = (0..tries)
                 .filter_map(|k| {
                     let place = (k as f64 + 0.5) / tries as f64 * total;
-                    let (element, surface) = elements.get(ends.partition_point(|&end| end <= place))?;
+                    let (element, part) = elements.get(ends.partition_point(|&end| end <= place))?;
                     let uv = [0.754_877_666_246_693, 0.569_840_290_998_053].map(|a| (k as f64 * a).fract());
                     let (position, normal) = element.at(uv);
                     let inside = match (element, period) {
                         (Element::Round(_), Some(period)) => contains(period, position),
                         _ => true,
                     };
-                    inside.then_some(Point { position, normal, surface: *surface })
+                    inside.then_some(Point { position, normal, part: *part })
                 })
                 .collect();
             if points.len() * 2 >= count || tries >= count * MAX_TRIES || points.is_empty() {
@@ -118,7 +124,7 @@ impl Element<'_> {
                 let (a, b) = normal.any_orthonormal_pair();
                 (center + (a * cos + b * sin) * r, normal)
             }
-            Element::Round(Shape::Polygon(_)) => unreachable!("polygons are triangles here"),
+            Element::Round(Shape::Polygon(_) | Shape::Mesh(_)) => unreachable!("these are triangles here"),
         }
     }
 }

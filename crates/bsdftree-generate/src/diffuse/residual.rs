@@ -80,6 +80,6 @@ impl<S: Spectrum> Walker<'_, S> {
 fn onward<S: Spectrum>(meeting: &Meeting<S>, side: usize, point: [f64; 2]) -> Chosen<S> {
     let normal = if side == 0 { meeting.facing } else { -meeting.facing };
     let direction = lambertian_direction(normal, point);
-    let ray = Ray { origin: meeting.hit.position, direction, from: Some(meeting.hit.surface) };
+    let ray = Ray { origin: meeting.hit.position, direction, from: Some(meeting.hit.part) };
     Chosen { ray, medium: meeting.medium, weight: meeting.arrived * meeting.albedo[side] }
 }

@@ -68,9 +68,10 @@ impl Sites {
         fineness: Fineness,
         seed: u64,
     ) -> Option<Sites> {
-        let (_, materials) = scene.parts();
+        let (bvh, materials) = scene.parts();
         let box_ = tile.map(|_| [aperture.min, aperture.max].map(DVec3::from_array));
-        let spread = Points::spread(device, box_, fineness.n_points, |m| materials[m as usize].is_diffuse());
+        let is_diffuse = |m: u32| materials[m as usize].is_diffuse();
+        let spread = Points::spread(device, bvh, box_, fineness.n_points, is_diffuse);
         if spread.points.is_empty() {
             return None;
         }

@@ -77,7 +77,7 @@ pub(crate) fn walk<S: Spectrum>(
             let albedo = material.diffuse_albedo(ray.direction.dot(hit.normal).abs().min(1.0));
             meet(Meeting { hit: &hit, facing, arrived: weight, reversal, albedo, medium });
         }
-        let meeting = scatter::Meeting::of(&ray, &hit, traveled);
+        let meeting = scatter::Meeting::of(bvh, &ray, &hit, traveled);
         traveled = meeting.traveled;
         let scatter = match lobes {
             Lobes::Specular => material.scatter_specular(&meeting, random),
@@ -99,7 +99,7 @@ pub(crate) fn walk<S: Spectrum>(
         if let Some(entered) = material.medium(hit.front != scatter.transmitted) {
             medium = (entered != DVec3::ONE).then_some(entered);
         }
-        ray = Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.surface) };
+        ray = Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.part) };
     }
     Outcome::Lost
 }

@@ -80,7 +80,8 @@ impl<S: Spectrum> PreparedGloss<S> {
         }
         if random.next_open() * total < through {
             let weight = self.lobes[SPECULAR_TRANSMISSION].tint * total;
-            let direction = if self.smooth { incoming } else { self.spread(facing, incoming, random)? };
+            let direction =
+                if self.smooth { incoming } else { self.facets.spread(facing, incoming, random)? };
             return Some(Scatter::transmitted(direction, weight));
         }
         let color = self.highlight(fresnel);
@@ -92,7 +93,8 @@ impl<S: Spectrum> PreparedGloss<S> {
         if self.smooth {
             return Some(Scatter::reflected(mirrored(incoming, facing, cosine), weight));
         }
-        self.glance(facing, incoming, cosine, weight, random)
+        let (exitant, factor) = self.facets.glance(facing, incoming, cosine, random)?;
+        Some(Scatter::reflected(exitant, weight * factor))
     }
 
     /// The ratio of [`evaluate`](Self::evaluate) with its directions swapped to that as they are, for transmission.
@@ -104,7 +106,7 @@ impl<S: Spectrum> PreparedGloss<S> {
         let (facing, cosine) = facing(normal, incoming);
         let ratio = -exitant.dot(facing) / cosine;
         let shift = exitant / ratio - incoming;
-        let (axes, roughness) = self.axes(facing);
+        let (axes, roughness) = self.facets.axes(facing);
         let squared: f64 =
             (0..2).filter(|&k| roughness[k] > 0.0).map(|k| (shift.dot(axes[k]) / roughness[k]).powi(2)).sum();
         libm::exp(squared * (1.0 - ratio * ratio)) * ratio.powi(6)

@@ -3,9 +3,10 @@
 //! Lengths are in metres, places and directions in the device's own coordinates, the same as of hits. A constant material needs
 //! the two directions only; patterns, textures and functions need the rest.
 
+use bsdftree_device::mesh::MeshPoint;
 use glam::DVec3;
 
-use crate::bvh::{Hit, Ray};
+use crate::bvh::{Bvh, Hit, Ray};
 
 /// A ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,12 @@ pub struct Local {
 impl Local {
     /// Of a surface that is no mesh.
     pub const NONE: Local = Local { uv: [0.0; 2], perturbation: DVec3::ZERO };
+
+    /// Of a point of a mesh that has this unit normal there.
+    fn of(normal: DVec3, point: &MeshPoint) -> Local {
+        let perturbation = point.normal.map_or(DVec3::ZERO, |smooth| smooth - normal);
+        Local { uv: point.uv, perturbation }
+    }
 }
 
 impl Meeting {
@@ -54,14 +61,14 @@ impl Meeting {
 
     /// Of a ray and what it meets, `before` being the length of the path up to the ray.
     #[inline(always)]
-    pub(crate) fn of(ray: &Ray, hit: &Hit, before: f64) -> Meeting {
+    pub(crate) fn of(bvh: &Bvh, ray: &Ray, hit: &Hit, before: f64) -> Meeting {
         Meeting {
             normal: hit.normal,
             incoming: ray.direction,
             position: hit.position,
             distance: hit.t,
             traveled: before + hit.t,
-            local: Local::NONE,
+            local: bvh.mesh_point(hit).map_or(Local::NONE, |point| Local::of(hit.normal, &point)),
         }
     }
 

@@ -22,6 +22,7 @@
 
 mod dielectric;
 mod diffuse;
+mod facets;
 mod frame;
 mod fresnel;
 mod glass;

@@ -1,10 +1,13 @@
 //! Devices and random numbers for the tests and benchmarks of the tracer.
 #![allow(dead_code)]
 
+use std::sync::Arc;
+
 use bsdftree_device::material::Material;
+use bsdftree_device::mesh::{Mesh, Vertices};
 use bsdftree_device::shape::Shape;
 use bsdftree_device::{Device, NamedMaterial, Surface};
-use glam::{DVec3, dvec3};
+use glam::{DVec3, dvec3, vec2};
 
 /// SplitMix64, for tests only.
 pub struct Random(pub u64);
@@ -109,6 +112,17 @@ pub fn sphere_mesh(n_theta: usize, n_phi: usize, bumps: f64) -> (Vec<DVec3>, Vec
 
 pub fn mesh((corners, faces): &(Vec<DVec3>, Vec<[usize; 3]>)) -> Device {
     device(faces.iter().map(|f| triangle(corners[f[0]], corners[f[1]], corners[f[2]])))
+}
+
+/// The same as one surface, with normals away from the centre and longitude and height as texture coordinates.
+pub fn shared_mesh((corners, faces): &(Vec<DVec3>, Vec<[usize; 3]>)) -> Device {
+    let vertices = Vertices {
+        positions: corners.clone(),
+        normals: corners.iter().map(|p| p.normalize().as_vec3()).collect(),
+        uvs: corners.iter().map(|p| vec2(p.y.atan2(p.x) as f32, p.z as f32)).collect(),
+    };
+    let triangles = faces.iter().map(|f| f.map(|k| k as u32)).collect();
+    device([Shape::Mesh(Arc::new(Mesh { vertices: Arc::new(vertices), triangles }))])
 }
 
 /// `n` random spheres, cylinders, cones, rings and, if asked for, polygons in the unit cube.
