@@ -24,16 +24,16 @@ pub fn disk_from_square([x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 /// The point of the square under a point of the unit disk; clamped to \[0,1\]² for points outside the disk.
-#[inline]
+///
+/// Without branches: over arrays the compiler makes it vector instructions, with the same bits.
+#[inline(always)]
 pub fn square_from_disk([x, y]: [f64; 2]) -> [f64; 2] {
     let r = (x * x + y * y).sqrt().min(1.0);
     let x_leads = x.abs() >= y.abs();
     let (major, minor) = if x_leads { (x, y) } else { (y, x) };
-    if major == 0.0 {
-        return [0.5, 0.5];
-    }
+    let divisor = if major == 0.0 { 1.0 } else { major.abs() };
     let along = r.copysign(major);
-    let across = (r * eighths(minor.abs(), major.abs())).copysign(minor);
+    let across = (r * eighths(minor.abs(), divisor)).copysign(minor);
     let (a, b) = if x_leads { (along, across) } else { (across, along) };
     [0.5 * (a + 1.0), 0.5 * (b + 1.0)]
 }
@@ -41,7 +41,7 @@ pub fn square_from_disk([x, y]: [f64; 2]) -> [f64; 2] {
 /// (4/π)·atan(minor/major) for 0 ≤ minor ≤ major, within 3e-16. The same bits on every machine, and without the branches of the
 /// platform's function. Above tan(π/8) the angle is taken from π/4: atan t = π/4 + atan((t − 1)/(t + 1)). What is left of the series,
 /// atan(u)/u over u² up to tan²(π/8), is its Chebyshev approximation of degree 11, off by 1.3e-18.
-#[inline]
+#[inline(always)]
 fn eighths(minor: f64, major: f64) -> f64 {
     const TAN_PI_8: f64 = 0.414_213_562_373_095_03;
     const SERIES: [f64; 12] = [

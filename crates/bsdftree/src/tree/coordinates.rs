@@ -34,20 +34,31 @@ pub(super) fn quantized(x: f64) -> u64 {
 pub(super) fn incident_coordinates(rank: Rank, incident: Direction) -> [u64; 2] {
     match rank {
         Rank::Four => square_from_disk([-incident[0], -incident[1]]).map(quantized),
-        Rank::Three => {
-            let sin_theta = incident[0].hypot(incident[1]).min(1.0);
-            [quantized(0.5 - RANK3_SHIFT - 0.5 * sin_theta), 0]
-        }
+        Rank::Three => [quantized(rank3_coordinate(incident)), 0],
     }
 }
 
+/// d0 of rank 3.
+#[inline(always)]
+pub(super) fn rank3_coordinate(incident: Direction) -> f64 {
+    0.5 - RANK3_SHIFT - 0.5 * sin_theta(incident).min(1.0)
+}
+
+#[inline(always)]
+fn sin_theta([x, y, _]: Direction) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 /// Cosine and sine of the azimuth of `−incident`: rank 3 turns exitant directions back by it. (1, 0) at normal incidence.
+#[inline(always)]
 pub(super) fn azimuth(incident: Direction) -> [f64; 2] {
-    let r = incident[0].hypot(incident[1]);
-    if r > 0.0 { [-incident[0] / r, -incident[1] / r] } else { [1.0, 0.0] }
+    let r = sin_theta(incident);
+    let divisor = if r > 0.0 { r } else { 1.0 };
+    [if r > 0.0 { -incident[0] / divisor } else { 1.0 }, if r > 0.0 { -incident[1] / divisor } else { 0.0 }]
 }
 
 /// The exitant square coordinates, unquantised.
+#[inline(always)]
 pub(super) fn exitant_square(rank: Rank, incident: Direction, exitant: Direction) -> [f64; 2] {
     let [x, y] = [exitant[0], exitant[1]];
     match rank {

@@ -5,6 +5,7 @@
 
 pub mod arena;
 mod coordinates;
+mod batch;
 mod slice;
 mod cache;
 mod reverse;
