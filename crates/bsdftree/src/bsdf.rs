@@ -283,6 +283,68 @@ impl Scattering {
         }
     }
 
+    /// [`Scattering::eval`] for many pairs.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn eval_many(
+        &self,
+        incident: &[Direction],
+        exitant: &[Direction],
+        reversed: bool,
+        values: &mut [f64],
+    ) {
+        let (from, to) = if reversed { (exitant, incident) } else { (incident, exitant) };
+        match self {
+            Scattering::Tree(tree) => tree.eval_many(from, to, values),
+            Scattering::Matrix(matrix) => {
+                assert!(from.len() == to.len() && from.len() == values.len(), "a value for each pair");
+                let pairs = from.iter().zip(to).zip(values);
+                pairs.for_each(|((&from, &to), value)| *value = matrix.eval(from, to));
+            }
+        }
+    }
+
+    /// [`Scattering::hemispherical`] for many incident directions.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn hemispherical_many(&self, incident: &[Direction], reversed: bool, totals: &mut [f64]) {
+        match self {
+            Scattering::Tree(tree) => tree.hemispherical_many(incident, reversed, totals),
+            Scattering::Matrix(matrix) => {
+                assert_eq!(incident.len(), totals.len(), "a total for each incident direction");
+                let each = incident.iter().zip(totals);
+                each.for_each(|(&incident, total)| *total = matrix.lobe(incident, reversed).total());
+            }
+        }
+    }
+
+    /// Samples of [`Scattering::lobe`] for many incident directions: points of the exitant disk and values \[1/sr\], 0 where the
+    /// lobe is black.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn sample_many(
+        &self,
+        incident: &[Direction],
+        reversed: bool,
+        u: &[f64],
+        v: Option<&[f64]>,
+        sampled: &mut [([f64; 2], f64)],
+    ) {
+        match self {
+            Scattering::Tree(tree) => tree.sample_many(incident, reversed, u, v, sampled),
+            Scattering::Matrix(matrix) => {
+                assert!(incident.len() == u.len() && u.len() == sampled.len(), "a sample for each direction");
+                for (k, sampled) in sampled.iter_mut().enumerate() {
+                    let found = matrix.lobe(incident[k], reversed).sample(u[k], v.map(|v| v[k]));
+                    *sampled = found.unwrap_or_default();
+                }
+            }
+        }
+    }
+
     /// The function for one incident direction.
     pub fn lobe(&self, incident: Direction, reversed: bool) -> Lobe<'_> {
         match self {
@@ -293,7 +355,10 @@ impl Scattering {
 
     /// Directional-hemispherical total.
     pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
-        self.lobe(incident, reversed).total()
+        match self {
+            Scattering::Tree(tree) => tree.hemispherical(incident, reversed),
+            Scattering::Matrix(matrix) => matrix.lobe(incident, reversed).total(),
+        }
     }
 
     /// Projected solid angle \[sr\] of the cell that holds the exitant direction.

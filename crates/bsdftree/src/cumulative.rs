@@ -63,11 +63,6 @@ impl Cumulative {
         let rest = (target - self.sums[k]) / (self.sums[k + 1] - self.sums[k]);
         Some((k, rest.clamp(0.0, 1.0 - f64::EPSILON / 2.0)))
     }
-
-    /// Memory \[byte\].
-    pub fn n_bytes(&self) -> usize {
-        std::mem::size_of_val(self.sums.as_slice()) + std::mem::size_of_val(self.guide.as_slice())
-    }
 }
 
 #[cfg(test)]

@@ -39,17 +39,47 @@ pub fn hilbert_index(x: u32, y: u32, levels: u32) -> u64 {
     index
 }
 
-/// The cell (x, y) of a 2^levels × 2^levels grid at a Hilbert index.
+/// Four levels at once: for a state and eight bits of an index, four bits of x, four of y and the state inside.
+const FOUR_LEVELS: [[u16; 256]; 4] = four_levels();
+
+const fn four_levels() -> [[u16; 256]; 4] {
+    let mut table = [[0; 256]; 4];
+    let mut first = 0;
+    while first < 4 {
+        let mut bits = 0;
+        while bits < 256 {
+            let (mut x, mut y, mut state, mut level) = (0, 0, first, 4);
+            while level > 0 {
+                level -= 1;
+                let k = bits >> (2 * level) & 3;
+                let quadrant = QUADRANT[state][k] as u16;
+                x = x << 1 | quadrant & 1;
+                y = y << 1 | quadrant >> 1;
+                state = NEXT[state][k] as usize;
+            }
+            table[first][bits] = x | y << 4 | (state as u16) << 8;
+            bits += 1;
+        }
+        first += 1;
+    }
+    table
+}
+
+/// The cell (x, y) of a 2^levels × 2^levels grid at a Hilbert index, at most 28 levels.
 #[inline]
 pub fn cell_from_hilbert(index: u64, levels: u32) -> (u32, u32) {
-    let (mut x, mut y, mut state) = (0, 0, State::default());
-    for level in (0..levels).rev() {
-        let (quadrant, next) = state.step((index >> (2 * level)) as usize & 3);
-        x = x << 1 | u32::from(quadrant & 1);
-        y = y << 1 | u32::from(quadrant >> 1);
-        state = next;
+    // Finer levels refine coarser ones: levels are filled up to a multiple of four, and what is too fine is dropped.
+    let steps = levels.div_ceil(4);
+    let more = 4 * steps - levels;
+    let index = index << (2 * more);
+    let (mut x, mut y, mut state) = (0, 0, 0);
+    for step in (0..steps).rev() {
+        let found = FOUR_LEVELS[state & 3][(index >> (8 * step)) as usize & 255];
+        x = x << 4 | u32::from(found & 15);
+        y = y << 4 | u32::from(found >> 4 & 15);
+        state = usize::from(found >> 8);
     }
-    (x, y)
+    (x >> more, y >> more)
 }
 
 /// Two numbers in (0, 1) for a choice inside a cell: the two given, or one unfolded along the curve.
@@ -80,6 +110,23 @@ mod tests {
             }
         }
         assert!(seen.into_iter().all(|s| s));
+    }
+
+    #[test]
+    fn four_levels_at_once_are_four_steps() {
+        for levels in [1, 3, 4, 5, 24, 26, 28] {
+            for k in 0..1000u64 {
+                let index = k.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - 2 * levels);
+                let (mut x, mut y, mut state) = (0, 0, State::default());
+                for level in (0..levels).rev() {
+                    let (quadrant, next) = state.step((index >> (2 * level)) as usize & 3);
+                    x = x << 1 | u32::from(quadrant & 1);
+                    y = y << 1 | u32::from(quadrant >> 1);
+                    state = next;
+                }
+                assert_eq!(cell_from_hilbert(index, levels), (x, y));
+            }
+        }
     }
 
     #[test]

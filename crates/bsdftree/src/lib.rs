@@ -35,6 +35,7 @@
 //! | `SDevalBSDF` | [`Band::eval`], [`Band::eval_xyz`] |
 //! | `SDsampBSDF` | [`Band::sample`], with its density [`Band::pdf`] |
 //! | `SDdirectHemi` | [`Band::hemispherical`] |
+//! | one call for each pair | [`Band::eval_many`], [`Band::sample_many`] and the like, many times as fast |
 //! | `SDsizeBSDF` | [`Band::projected_solid_angle`], [`Band::projected_solid_angle_range`] |
 //! | the extracted Lambertian part | [`Scattering::lambertian`] |
 
@@ -48,6 +49,7 @@ pub mod color;
 pub mod bsdf;
 pub mod cell;
 pub mod query;
+mod many;
 pub mod check;
 pub mod peaks;
 pub mod xml;

@@ -21,6 +21,37 @@ pub struct Sample {
     pub weight: f64,
 }
 
+impl Sample {
+    /// Of a value \[1/sr\] over a point of the disk, when `total` of the light is scattered.
+    #[inline(always)]
+    pub(crate) fn new(side: Side, disk: [f64; 2], value: f64, total: f64) -> Sample {
+        let exitant = side.direction_from_disk(disk);
+        Sample { exitant, pdf: density(value, exitant, total), weight: total }
+    }
+
+    /// Where there is no light.
+    pub(crate) fn black(incident: Direction) -> Sample {
+        Sample { exitant: incident, pdf: 0.0, weight: 0.0 }
+    }
+}
+
+/// Density \[1/sr of solid angle\] of samples in proportion to BSDF × |cos θ|.
+#[inline(always)]
+pub(crate) fn density(value: f64, exitant: Direction, total: f64) -> f64 {
+    if total > 0.0 { value * exitant[2].abs() / total } else { 0.0 }
+}
+
+/// Which of two lobes a number chooses, and what is left of it for a choice inside. Rounding never chooses one that is black.
+#[inline(always)]
+pub(crate) fn chosen(u: f64, before: f64, after: f64) -> (bool, f64) {
+    let target = u * (before + after);
+    let (is_second, inside) = match target < before || after <= 0.0 {
+        true => (false, target / before),
+        false => (true, (target - before) / after),
+    };
+    (is_second, inside.min(BELOW_ONE))
+}
+
 /// Which exitant side a query is about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lobes {
@@ -34,7 +65,7 @@ pub enum Lobes {
 }
 
 impl Lobes {
-    fn include(self, incident: Side, exitant: Side) -> bool {
+    pub(crate) fn include(self, incident: Side, exitant: Side) -> bool {
         match self {
             Lobes::All => true,
             Lobes::Reflection => incident == exitant,
@@ -75,21 +106,12 @@ impl Band {
         let total_of =
             |exit: &Option<(Side, f64, Lobe<'_>)>| exit.as_ref().map_or(0.0, |(_, total, _)| *total);
         let (before, after) = (total_of(&first), total_of(&second));
-        let total = before + after;
-        let target = u * total;
-        // Rounding never chooses a side that is black.
-        let (exit, inside) = if target < before || after <= 0.0 {
-            (first, target / before)
-        } else {
-            (second, (target - before) / after)
-        };
-        let sampled = exit.and_then(|(side, _, lobe)| Some((side, lobe.sample(inside.min(BELOW_ONE), v)?)));
+        let (is_second, inside) = chosen(u, before, after);
+        let exit = if is_second { second } else { first };
+        let sampled = exit.and_then(|(side, _, lobe)| Some((side, lobe.sample(inside, v)?)));
         match sampled {
-            Some((side, (disk, value))) => {
-                let exitant = side.direction_from_disk(disk);
-                Sample { exitant, pdf: value * exitant[2].abs() / total, weight: total }
-            }
-            None => Sample { exitant: incident, pdf: 0.0, weight: 0.0 },
+            Some((side, (disk, value))) => Sample::new(side, disk, value, before + after),
+            None => Sample::black(incident),
         }
     }
 
@@ -98,8 +120,7 @@ impl Band {
         if !lobes.include(Side::of(incident), Side::of(exitant)) {
             return 0.0;
         }
-        let total = self.hemispherical(incident, lobes);
-        if total > 0.0 { self.eval(incident, exitant) * exitant[2].abs() / total } else { 0.0 }
+        density(self.eval(incident, exitant), exitant, self.hemispherical(incident, lobes))
     }
 
     /// Projected solid angle \[sr\] of the cell that holds `exitant`, or `None` where there is no component.
@@ -116,7 +137,11 @@ impl Band {
     }
 
     /// What light from a direction may leave through: exitant side, function, whether it is reversed.
-    fn exits(&self, incident: Direction, lobes: Lobes) -> impl Iterator<Item = (Side, &Scattering, bool)> {
+    pub(crate) fn exits(
+        &self,
+        incident: Direction,
+        lobes: Lobes,
+    ) -> impl Iterator<Item = (Side, &Scattering, bool)> {
         let from = Side::of(incident);
         [from, from.opposite()].into_iter().filter(move |&to| lobes.include(from, to)).filter_map(move |to| {
             let (component, reversed) = self.answering(from, to)?;

@@ -1,14 +1,16 @@
-//! Values of a tree for many pairs of directions at once.
+//! Values, totals and samples of a tree for many directions at once.
 //!
-//! In: pairs of directions. Out: for each what [`Tree::eval`] gives, to the bit. Pairs go in blocks: first the places of all,
-//! by arithmetic without branches that the compiler makes vector instructions, then all leaves, level by level, so that the
-//! memory of one pair is waited for together with that of the others. With AVX2 a level is one gather for eight pairs.
+//! In: directions. Out: for each what a single call gives, to the bit. They go in blocks: first the places of all, by
+//! arithmetic without branches that the compiler makes vector instructions, then all leaves, level by level, or all cumulative sums,
+//! step by step, so that the memory of one is waited for together with that of the others. With AVX2 a level of the tree is one
+//! gather for eight pairs.
 
 use crate::direction::Direction;
-use crate::square::square_from_disk;
+use crate::square::{disk_from_square, square_from_disk};
 use crate::tree::Tree;
 use crate::tree::arena::{Arena, Content, Rank, Slot};
-use crate::tree::coordinates::{QUANTUM_BITS, exitant_square, rank3_coordinate};
+use crate::tree::cache::SliceRef;
+use crate::tree::coordinates::{QUANTUM_BITS, azimuth, exitant_square, rank3_coordinate, turned};
 
 /// Pairs in a block.
 const BLOCK: usize = 32;
@@ -204,6 +206,160 @@ mod avx2 {
     }
 }
 
+impl Tree {
+    /// [`Tree::hemispherical`] for many incident directions.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn hemispherical_many(&self, incident: &[Direction], reversed: bool, totals: &mut [f64]) {
+        assert_eq!(incident.len(), totals.len(), "a total for each incident direction");
+        match (self.rank(), reversed, self.totals()) {
+            (Rank::Four, true, _) => self.reversed().hemispherical_many(incident, false, totals),
+            (_, false, Some(sums)) => {
+                wide(|| {
+                    for_incident(incident, totals, |incident, totals| {
+                        let cells = self.incident_cells(incident);
+                        for k in 0..BLOCK {
+                            totals[k] = sums.of([cells[0][k], cells[1][k]]);
+                        }
+                    });
+                });
+            }
+            _ => {
+                let each = incident.iter().zip(totals);
+                each.for_each(|(&incident, total)| *total = self.hemispherical(incident, reversed));
+            }
+        }
+    }
+
+    /// [`TreeLobe::sample`](super::TreeLobe::sample) of [`Tree::lobe`] for many incident directions: points of the exitant disk and
+    /// values \[1/sr\], which are 0 where the lobe is black.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn sample_many(
+        &self,
+        incident: &[Direction],
+        reversed: bool,
+        u: &[f64],
+        v: Option<&[f64]>,
+        sampled: &mut [([f64; 2], f64)],
+    ) {
+        assert_eq!(incident.len(), u.len(), "a number for each incident direction");
+        assert!(v.is_none_or(|v| v.len() == u.len()), "two numbers for each incident direction");
+        assert_eq!(incident.len(), sampled.len(), "a sample for each incident direction");
+        match (self.rank(), reversed) {
+            (Rank::Four, true) => self.reversed().sample_many(incident, false, u, v, sampled),
+            (Rank::Three, true) => {
+                for (k, sampled) in sampled.iter_mut().enumerate() {
+                    let found = self.lobe(incident[k], true).sample(u[k], v.map(|v| v[k]));
+                    *sampled = found.unwrap_or_default();
+                }
+            }
+            _ => wide(|| self.sample_forward(incident, u, v, sampled)),
+        }
+    }
+
+    #[inline(always)]
+    fn sample_forward(
+        &self,
+        incident: &[Direction],
+        u: &[f64],
+        v: Option<&[f64]>,
+        sampled: &mut [([f64; 2], f64)],
+    ) {
+        for (index, out) in sampled.chunks_mut(BLOCK).enumerate() {
+            let range = index * BLOCK..index * BLOCK + out.len();
+            let (incident, u) = (&incident[range.clone()], &u[range.clone()]);
+            let v = v.map(|v| &v[range]);
+            let mut padded = [incident[0]; BLOCK];
+            padded[..incident.len()].copy_from_slice(incident);
+            let cells = self.incident_cells(&padded);
+            let cell = |k: usize| [cells[0][k], cells[1][k]];
+            (0..u.len()).for_each(|k| self.slices.ask(&self.arena, cell(k)));
+            let slices: [SliceRef<'_>; BLOCK] =
+                std::array::from_fn(|k| self.slices.slice(&self.arena, cell(k.min(u.len() - 1))));
+            slices.iter().for_each(|slice| ask(&raw const **slice));
+            let lit = |k: &usize| !slices[*k].is_black();
+            (0..u.len()).filter(lit).for_each(|k| ask(slices[k].guide(u[k])));
+            let mut begin = [0; BLOCK];
+            for k in (0..u.len()).filter(lit) {
+                begin[k] = *slices[k].guide(u[k]);
+                ask(slices[k].place_of(begin[k]));
+            }
+            let (mut squares, mut values) = ([[0.5; 2]; BLOCK], [0.0; BLOCK]);
+            for k in (0..u.len()).filter(lit) {
+                (squares[k], values[k]) = slices[k].sample_from(begin[k] as usize, u[k], v.map(|v| v[k]));
+            }
+            let mut disks = squares;
+            disks.iter_mut().for_each(|point| *point = disk_from_square(*point));
+            if self.rank() == Rank::Three {
+                for (point, incident) in disks.iter_mut().zip(&padded) {
+                    *point = turned(*point, azimuth(*incident));
+                }
+            }
+            out.iter_mut().zip(disks.into_iter().zip(values)).for_each(|(out, sampled)| *out = sampled);
+        }
+    }
+
+    /// The incident cells of a block at the tree's own resolution.
+    #[inline(always)]
+    fn incident_cells(&self, incident: &[Direction; BLOCK]) -> [[u32; BLOCK]; 2] {
+        let mut coordinates = [[0.0; BLOCK]; 2];
+        for k in 0..BLOCK {
+            match self.rank() {
+                Rank::Four => {
+                    [coordinates[0][k], coordinates[1][k]] =
+                        square_from_disk([-incident[k][0], -incident[k][1]]);
+                }
+                Rank::Three => coordinates[0][k] = rank3_coordinate(incident[k]),
+            }
+        }
+        let scale = cell_scale(self.arena().log2_res());
+        coordinates.map(|axis| axis.map(|x| cell(x, scale)))
+    }
+}
+
+/// Asks for memory that is soon needed.
+#[inline(always)]
+pub(super) fn ask<T>(place: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: a prefetch may name any address; SSE is part of x86-64.
+    unsafe {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        _mm_prefetch::<_MM_HINT_T0>(place.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
+}
+
+/// Calls `f`, compiled for wide vectors where the processor has them.
+#[inline(always)]
+fn wide(f: impl FnOnce()) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        fn with_avx2(f: impl FnOnce()) {
+            f();
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has it.
+            return unsafe { with_avx2(f) };
+        }
+    }
+    f();
+}
+
+/// Calls `f` with all blocks of incident directions; the last one is filled up with its first.
+#[inline(always)]
+fn for_incident(
+    incident: &[Direction],
+    out: &mut [f64],
+    mut f: impl FnMut(&[Direction; BLOCK], &mut [f64; BLOCK]),
+) {
+    for_blocks(incident, incident, out, |incident, _, out| f(incident, out));
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -247,6 +403,21 @@ mod tests {
                 many.fill(-1.0);
                 eval(tree.arena(), &incident, &exitant, &mut many);
                 prop_assert_eq!(&many, &single);
+                for reversed in [false, true] {
+                    tree.hemispherical_many(&incident, reversed, &mut many);
+                    let single = incident.iter().map(|&i| tree.hemispherical(i, reversed));
+                    prop_assert_eq!(&many, &single.collect::<Vec<_>>());
+                    let u: Vec<f64> = points.iter().map(|([a, b, c, d], ..)| (a + b + 3.0 * c - d).rem_euclid(1.0)).collect();
+                    for v in [None, Some(&u[..])] {
+                        let mut sampled = vec![([0.0; 2], -1.0); u.len()];
+                        tree.sample_many(&incident, reversed, &u, v, &mut sampled);
+                        for (k, sampled) in sampled.into_iter().enumerate() {
+                            let single = tree.lobe(incident[k], reversed).sample(u[k], v.map(|v| v[k]));
+                            prop_assert_eq!(sampled.1, single.map_or(0.0, |s| s.1));
+                            prop_assert!(single.is_none_or(|single| single == sampled));
+                        }
+                    }
+                }
             }
         }
     }

@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::tree::arena::{Arena, Rank};
+use crate::tree::batch::ask;
 use crate::tree::slice::Slice;
 
 /// Most slices of one tree that are kept: all of them up to 2^10 cells per axis.
@@ -50,18 +51,30 @@ impl SliceCache {
     /// The slice over an incident cell at the tree's own resolution.
     #[inline]
     pub fn slice(&self, arena: &Arena, cell: [u32; 2]) -> SliceRef<'_> {
-        let bits = match arena.rank() {
-            Rank::Three => arena.log2_res(),
-            Rank::Four => 2 * arena.log2_res(),
-        };
-        let slots =
-            self.slots.get_or_init(|| (0..(1 << bits).min(MAX_SLOTS)).map(|_| OnceLock::new()).collect());
-        let index =
-            (u64::from(cell[1]) << arena.log2_res() | u64::from(cell[0])) as usize & (slots.len() - 1);
-        match slots[index].get() {
+        let slot = self.slot(arena, cell);
+        match slot.get() {
             Some(kept) if kept.cell == cell => SliceRef::Kept(&kept.slice),
-            other => self.made(arena, cell, other.is_none().then_some(&slots[index])),
+            other => self.made(arena, cell, other.is_none().then_some(slot)),
         }
+    }
+
+    /// Asks early for where a slice is.
+    #[inline(always)]
+    pub fn ask(&self, arena: &Arena, cell: [u32; 2]) {
+        ask(self.slot(arena, cell));
+    }
+
+    #[inline(always)]
+    fn slot(&self, arena: &Arena, [x, y]: [u32; 2]) -> &OnceLock<Box<Kept>> {
+        let slots = self.slots.get_or_init(|| {
+            let bits = match arena.rank() {
+                Rank::Three => arena.log2_res(),
+                Rank::Four => 2 * arena.log2_res(),
+            };
+            (0..(1 << bits).min(MAX_SLOTS)).map(|_| OnceLock::new()).collect()
+        });
+        let index = (u64::from(y) << arena.log2_res() | u64::from(x)) as usize;
+        &slots[index & (slots.len() - 1)]
     }
 
     #[cold]

@@ -57,6 +57,12 @@ pub(super) fn azimuth(incident: Direction) -> [f64; 2] {
     [if r > 0.0 { -incident[0] / divisor } else { 1.0 }, if r > 0.0 { -incident[1] / divisor } else { 0.0 }]
 }
 
+/// A point turned by the azimuth with this cosine and sine.
+#[inline(always)]
+pub(super) fn turned([x, y]: [f64; 2], [c, s]: [f64; 2]) -> [f64; 2] {
+    [c * x - s * y, s * x + c * y]
+}
+
 /// The exitant square coordinates, unquantised.
 #[inline(always)]
 pub(super) fn exitant_square(rank: Rank, incident: Direction, exitant: Direction) -> [f64; 2] {

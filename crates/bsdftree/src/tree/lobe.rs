@@ -8,16 +8,17 @@ use crate::square::disk_from_square;
 use crate::tree::Tree;
 use crate::tree::arena::Rank;
 use crate::tree::cache::SliceRef;
-use crate::tree::coordinates::azimuth;
+use crate::tree::coordinates::{azimuth, turned};
 use crate::tree::reverse::Rank3Reverse;
 
 /// Where the light from one direction goes.
 pub struct TreeLobe<'a>(Inner<'a>);
 
 enum Inner<'a> {
-    Rank4(SliceRef<'a>),
-    /// With cosine and sine of the azimuth that exitant directions are turned by.
-    Rank3(SliceRef<'a>, [f64; 2]),
+    /// With its total.
+    Rank4(SliceRef<'a>, f64),
+    /// With its total, and cosine and sine of the azimuth that exitant directions are turned by.
+    Rank3(SliceRef<'a>, f64, [f64; 2]),
     /// With the azimuth of the incident direction.
     Rank3Reverse(Arc<Rank3Reverse>, f64),
 }
@@ -26,10 +27,12 @@ impl Tree {
     /// The tree for light from `incident`; reversed: for light that this tree has arriving from everywhere and leaving to
     /// `incident`.
     pub fn lobe(&self, incident: Direction, reversed: bool) -> TreeLobe<'_> {
+        let cell = self.incident_cell(incident);
+        let slice = || self.slices.slice(&self.arena, cell);
         TreeLobe(match (self.rank(), reversed) {
-            (Rank::Four, false) => Inner::Rank4(self.slice(incident)),
-            (Rank::Four, true) => Inner::Rank4(self.reversed().slice(incident)),
-            (Rank::Three, false) => Inner::Rank3(self.slice(incident), azimuth(incident)),
+            (Rank::Four, false) => Inner::Rank4(slice(), self.total(cell)),
+            (Rank::Four, true) => return self.reversed().lobe(incident, false),
+            (Rank::Three, false) => Inner::Rank3(slice(), self.total(cell), azimuth(incident)),
             (Rank::Three, true) => {
                 let slice = self.rank3_reverse(incident[0].hypot(incident[1]).min(1.0));
                 Inner::Rank3Reverse(slice, incident[1].atan2(incident[0]))
@@ -43,7 +46,7 @@ impl TreeLobe<'_> {
     #[inline]
     pub fn total(&self) -> f64 {
         match &self.0 {
-            Inner::Rank4(slice) | Inner::Rank3(slice, _) => slice.total(),
+            Inner::Rank4(_, total) | Inner::Rank3(_, total, _) => *total,
             Inner::Rank3Reverse(slice, _) => slice.total(),
         }
     }
@@ -52,14 +55,13 @@ impl TreeLobe<'_> {
     /// \[1/sr\]; `None` where it is black. One number in \[0, 1), or two.
     pub fn sample(&self, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
         match &self.0 {
-            Inner::Rank4(slice) => {
+            Inner::Rank4(slice, _) => {
                 let (square, value) = slice.sample(u, v)?;
                 Some((disk_from_square(square), value))
             }
-            Inner::Rank3(slice, [c, s]) => {
+            Inner::Rank3(slice, _, azimuth) => {
                 let (square, value) = slice.sample(u, v)?;
-                let [x, y] = disk_from_square(square);
-                Some(([c * x - s * y, s * x + c * y], value))
+                Some((turned(disk_from_square(square), *azimuth), value))
             }
             Inner::Rank3Reverse(slice, phi) => slice.sample(phi - PI, u, v),
         }

@@ -5,11 +5,12 @@
 
 pub mod arena;
 mod coordinates;
-mod batch;
 mod slice;
+mod totals;
 mod cache;
 mod reverse;
 mod lobe;
+mod batch;
 mod walk;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -24,11 +25,13 @@ use crate::direction::Direction;
 use cache::{SliceCache, SliceRef};
 use coordinates::{QUANTUM_BITS, incident_coordinates};
 use reverse::Rank3Reverse;
+use totals::Totals;
 
 /// A BSDF component as a tensor tree of rank 3 or 4. Values are \[1/sr\], without a cosine.
 pub struct Tree {
     arena: Arena,
     slices: SliceCache,
+    totals: OnceLock<Option<Totals>>,
     /// Rank 4: the tree for light travelling the other way.
     reversed: OnceLock<Box<Tree>>,
     /// Rank 3: the reversed slice last used.
@@ -41,6 +44,7 @@ impl Tree {
         Tree {
             arena,
             slices: SliceCache::default(),
+            totals: OnceLock::new(),
             reversed: OnceLock::new(),
             rank3_reverse: Mutex::new(None),
         }
@@ -146,10 +150,35 @@ impl Tree {
         self.reversed.get_or_init(|| Box::new(Tree::new(reverse::reversed(&self.arena))))
     }
 
-    fn slice(&self, incident: Direction) -> SliceRef<'_> {
+    /// Directional-hemispherical total.
+    pub fn hemispherical(&self, incident: Direction, reversed: bool) -> f64 {
+        match (self.rank(), reversed) {
+            (Rank::Four, true) => self.reversed().hemispherical(incident, false),
+            (Rank::Three, true) => self.lobe(incident, true).total(),
+            _ => self.total(self.incident_cell(incident)),
+        }
+    }
+
+    /// The incident cell of a direction at the tree's own resolution.
+    fn incident_cell(&self, incident: Direction) -> [u32; 2] {
         let shift = QUANTUM_BITS - self.arena.log2_res();
-        let cell = incident_coordinates(self.rank(), incident).map(|c| (c >> shift) as u32);
-        self.slices.slice(&self.arena, cell)
+        incident_coordinates(self.rank(), incident).map(|c| (c >> shift) as u32)
+    }
+
+    /// The totals of all incident cells, unless there are too many.
+    fn totals(&self) -> Option<&Totals> {
+        self.totals.get_or_init(|| Totals::new(&self.arena)).as_ref()
+    }
+
+    fn total(&self, cell: [u32; 2]) -> f64 {
+        match self.totals() {
+            Some(totals) => totals.of(cell),
+            None => self.slices.slice(&self.arena, cell).total(),
+        }
+    }
+
+    fn slice(&self, incident: Direction) -> SliceRef<'_> {
+        self.slices.slice(&self.arena, self.incident_cell(incident))
     }
 
     fn rank3_reverse(&self, sin_theta: f64) -> Arc<Rank3Reverse> {
