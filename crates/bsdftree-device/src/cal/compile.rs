@@ -316,11 +316,12 @@ impl<'t> Compiler<'t> {
     }
 
     fn variable(&mut self, id: u32, place: &Place) {
-        let entry = self.table.entry(id);
+        let table = self.table;
+        let entry = table.entry(id);
         match &entry.definition {
             Some(definition) if definition.n_parameters.is_none() => {
-                if let Kind::Number(value) = definition.body.kind(definition.body.root) {
-                    return self.op(Op::Number(value));
+                if is_short(self.table, &definition.body) {
+                    return self.operand(&definition.body, definition.body.root);
                 }
                 let variable = *self.variables.entry(id).or_insert_with(|| {
                     let at = self.program.variables.len() as u32;
@@ -440,6 +441,19 @@ impl<'t> Compiler<'t> {
 
     fn op(&mut self, op: Op) {
         self.program.code.push(op);
+    }
+}
+
+/// Whether a variable's formula costs less than to look its value up: a number, a channel, `arg(n)`.
+fn is_short(table: &Table, body: &Body) -> bool {
+    match body.kind(body.root) {
+        Kind::Number(_) | Kind::Channel(_) => true,
+        Kind::Call { callee: Callee::Name(id), first, n: 1 } => {
+            let entry = table.entry(id);
+            let is_arg = entry.definition.is_none() && entry.builtin == Some(Builtin::Arg);
+            is_arg && matches!(body.kind(body.arguments[first as usize]), Kind::Number(_))
+        }
+        _ => false,
     }
 }
 

@@ -182,8 +182,14 @@ impl<I: Inputs + ?Sized> Machine<'_, I> {
                     let (b, a) = (self.pop(), self.pop());
                     self.push_checked(builtin::power(a, b));
                 }
-                Op::Maximum => self.binary(|a, b| if a < b { b } else { a }),
-                Op::Minimum => self.binary(|a, b| if a > b { b } else { a }),
+                Op::Maximum => {
+                    let (b, a) = (self.pop(), self.pop());
+                    self.push_checked(if a < b { b } else { a });
+                }
+                Op::Minimum => {
+                    let (b, a) = (self.pop(), self.pop());
+                    self.push_checked(if a > b { b } else { a });
+                }
                 Op::Library(builtin) => self.library(builtin),
                 Op::RealArgument => self.real_argument()?,
                 Op::Branch(target) => {

@@ -54,18 +54,20 @@ pub(super) fn smooth(point: [f64; 3]) -> f64 {
     corners[0]
 }
 
-/// Product of an offset with the gradient that the hash selects: towards the middle of one of a cube's twelve edges,
-/// four of which are selected twice.
-fn along_gradient(hash: i64, [x, y, z]: [f64; 3]) -> f64 {
-    let (first, second) = match hash & 15 {
-        0..4 => (x, y),
-        4..8 => (x, z),
-        12 | 14 => (y, x),
-        _ => (y, z),
-    };
-    let signed = |bit: i64, value: f64| if hash & bit == 0 { value } else { -value };
-    signed(1, first) + signed(2, second)
+/// Product of an offset with the gradient that the hash selects.
+fn along_gradient(hash: i64, offset: [f64; 3]) -> f64 {
+    let gradient = GRADIENTS[(hash & 15) as usize];
+    offset[0] * gradient[0] + offset[1] * gradient[1] + offset[2] * gradient[2]
 }
+
+/// From the middle of a cube to those of its twelve edges, four of them twice.
+#[rustfmt::skip]
+const GRADIENTS: [[f64; 3]; 16] = [
+    [1., 1., 0.], [-1., 1., 0.], [1., -1., 0.], [-1., -1., 0.],
+    [1., 0., 1.], [-1., 0., 1.], [1., 0., -1.], [-1., 0., -1.],
+    [0., 1., 1.], [0., -1., 1.], [0., 1., -1.], [0., -1., -1.],
+    [1., 1., 0.], [0., -1., 1.], [-1., 1., 0.], [0., -1., -1.],
+];
 
 fn permuted(i: i64) -> i64 {
     PERMUTATION[(i & 255) as usize].into()

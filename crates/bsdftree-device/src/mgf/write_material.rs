@@ -1,0 +1,108 @@
+//! Materials as MGF says them.
+//!
+//! In: a material in metres. Out: MGF's entities for it, in a unit of length, and what they do not say. Source: rad2mgf of Radiance 6.1,
+//! observed. Deviations: chromaticities and reflectances have all their digits (there: six), a pane reflects what a pane of that
+//! transmissivity reflects, and nothing is dropped without being listed.
+
+use std::fmt::{self, Write};
+
+use glam::DVec3;
+
+use super::material::{ONE_SIDED_THICKNESS, chromaticity, fresnel, pane_reflectance};
+use crate::material::{Gloss, GlossKind, Material, Medium};
+
+/// Writes the entities after `m name =`; what is lost.
+pub(super) fn write_material(
+    to: &mut String,
+    material: &Material,
+    meters: f64,
+) -> Result<Vec<&'static str>, fmt::Error> {
+    let mut lost = Vec::new();
+    match material {
+        Material::Void => writeln!(to, "\tts 1 0")?,
+        Material::Black => writeln!(to, "\trd 0")?,
+        Material::Gloss(gloss) => write_gloss(to, gloss, &mut lost)?,
+        Material::Glass { transmissivity, index } => write_glass(to, *transmissivity, *index)?,
+        Material::Dielectric { inside, outside } => {
+            if *outside != Medium::VACUUM {
+                lost.push("the medium in front of the surface");
+            }
+            if inside.index == outside.index {
+                lost.push("that it absorbs on the way through: it does not refract");
+            }
+            write_dielectric(to, inside, outside, meters)?;
+        }
+        Material::Mirror { reflectance } => {
+            lost.push("that its back is black, and that it reflects no more at grazing incidence");
+            specular(to, "rs", *reflectance, 0.0)?;
+        }
+        #[allow(unreachable_patterns, reason = "materials are being added")]
+        _ => {
+            lost.push("what it does: it is black");
+            writeln!(to, "\trd 0")?;
+        }
+    }
+    Ok(lost)
+}
+
+fn write_gloss(to: &mut String, gloss: &Gloss, lost: &mut Vec<&'static str>) -> fmt::Result {
+    let [u, v] = gloss.roughness;
+    if u != v {
+        lost.push("that its roughness differs along two directions: it has their mean");
+    }
+    let (color, rough) = (gloss.color, 0.5 * (u + v));
+    let (diffuse, trans, through) = (1.0 - gloss.specular, gloss.transmission, gloss.transmitted_specular);
+    match gloss.kind {
+        GlossKind::Plastic => {
+            self::diffuse(to, "rd", color * diffuse)?;
+            specular(to, "rs", DVec3::splat(gloss.specular), rough)
+        }
+        GlossKind::Metal => {
+            self::diffuse(to, "rd", color * diffuse)?;
+            specular(to, "rs", color * gloss.specular, rough)
+        }
+        GlossKind::Trans => {
+            self::diffuse(to, "td", color * (diffuse * trans * (1.0 - through)))?;
+            specular(to, "ts", color * (diffuse * trans * through), rough)?;
+            self::diffuse(to, "rd", color * (diffuse * (1.0 - trans)))?;
+            specular(to, "rs", DVec3::splat(gloss.specular), rough)
+        }
+    }
+}
+
+fn write_glass(to: &mut String, transmissivity: DVec3, index: f64) -> fmt::Result {
+    let r = fresnel(index);
+    let through = |t: f64| (1.0 - r).powi(2) * t / (1.0 - (r * t).powi(2));
+    writeln!(to, "\tir {index:?} 0")?;
+    specular(to, "rs", transmissivity.map(|t| pane_reflectance(r, t)), 0.0)?;
+    specular(to, "ts", transmissivity.map(through), 0.0)
+}
+
+fn write_dielectric(to: &mut String, inside: &Medium, outside: &Medium, meters: f64) -> fmt::Result {
+    let index = inside.index / outside.index;
+    let r = fresnel(index);
+    writeln!(to, "\tir {index:?} 0\n\tsides 1")?;
+    specular(to, "rs", DVec3::splat(r), 0.0)?;
+    let through = inside.transmittance.map(|t| t.powf(ONE_SIDED_THICKNESS * meters));
+    specular(to, "ts", through * (1.0 - r), 0.0)
+}
+
+fn diffuse(to: &mut String, keyword: &str, color: DVec3) -> fmt::Result {
+    let luminance = write_color(to, color)?;
+    writeln!(to, "\t{keyword} {luminance:?}")
+}
+
+fn specular(to: &mut String, keyword: &str, color: DVec3, roughness: f64) -> fmt::Result {
+    let luminance = write_color(to, color)?;
+    writeln!(to, "\t{keyword} {luminance:?} {roughness:?}")
+}
+
+/// Makes its chromaticity the current one; its luminance.
+fn write_color(to: &mut String, color: DVec3) -> Result<f64, fmt::Error> {
+    let (luminance, xy) = chromaticity(color);
+    writeln!(to, "\tc")?;
+    if let Some([x, y]) = xy {
+        writeln!(to, "\t\tcxy {x:?} {y:?}")?;
+    }
+    Ok(luminance)
+}
