@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use bsdftree::bsdf::LengthUnit;
 use bsdftree::xml::{self, Fault, Strictness};
-use bsdftree::{Band, Direction, Geometry, Header, Lobes, Part};
+use bsdftree::{Band, Direction, Geometry, Header, Lobes, Part, Sample};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
@@ -40,32 +40,36 @@ impl Bsdf {
         })
     }
 
-    /// `f` for each pair of directions, without the interpreter.
-    fn over_pairs<T: Send>(
+    /// What `f` fills in for all pairs of directions, without the interpreter.
+    fn over_pairs<T: Send + Clone + Default>(
         &self,
         py: Python<'_>,
         band: &str,
         incident: &Directions<'_>,
         exitant: &Directions<'_>,
-        f: impl Fn(&Band, Direction, Direction) -> T + Sync,
+        f: impl FnOnce(&Band, &[Direction], &[Direction], &mut [T]) + Send,
     ) -> PyResult<Vec<T>> {
         let band = self.band(band)?;
         let (i, o) = (directions(incident, "incident")?, directions(exitant, "exitant")?);
         same_length(i.len(), o.len())?;
-        Ok(py.detach(|| i.iter().zip(o).map(|(&i, &o)| f(band, i, o)).collect()))
+        let mut values = vec![T::default(); i.len()];
+        py.detach(|| f(band, i, o, &mut values));
+        Ok(values)
     }
 
-    /// `f` for each incident direction, without the interpreter.
-    fn over_incident<T: Send>(
+    /// What `f` fills in for all incident directions, without the interpreter.
+    fn over_incident<T: Send + Clone + Default>(
         &self,
         py: Python<'_>,
         band: &str,
         incident: &Directions<'_>,
-        f: impl Fn(&Band, Direction) -> T + Sync,
+        f: impl FnOnce(&Band, &[Direction], &mut [T]) + Send,
     ) -> PyResult<Vec<T>> {
         let band = self.band(band)?;
         let i = directions(incident, "incident")?;
-        Ok(py.detach(|| i.iter().map(|&i| f(band, i)).collect()))
+        let mut values = vec![T::default(); i.len()];
+        py.detach(|| f(band, i, &mut values));
+        Ok(values)
     }
 }
 
@@ -206,7 +210,7 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.over_pairs(py, band, &incident, &exitant, Band::eval)?))
+        Ok(PyArray1::from_vec(py, self.over_pairs(py, band, &incident, &exitant, Band::eval_many)?))
     }
 
     fn eval_xyz<'py>(
@@ -216,7 +220,7 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.over_pairs(py, band, &incident, &exitant, Band::eval_xyz)?)
+        rows(py, self.over_pairs(py, band, &incident, &exitant, Band::eval_xyz_many)?)
     }
 
     fn pdf<'py>(
@@ -228,7 +232,9 @@ impl Bsdf {
         part: &str,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let lobes = lobes(part)?;
-        let values = self.over_pairs(py, band, &incident, &exitant, |band, i, o| band.pdf(i, o, lobes))?;
+        let values = self.over_pairs(py, band, &incident, &exitant, |band, i, o, values| {
+            band.pdf_many(i, o, lobes, values);
+        })?;
         Ok(PyArray1::from_vec(py, values))
     }
 
@@ -248,11 +254,23 @@ impl Bsdf {
         let v = v.as_ref().map(|v| v.as_slice()).transpose()?;
         same_length(i.len(), u.len())?;
         v.map_or(Ok(()), |v| same_length(i.len(), v.len()))?;
-        let samples: Vec<_> =
-            py.detach(|| (0..i.len()).map(|k| band.sample(i[k], u[k], v.map(|v| v[k]), lobes)).collect());
-        let exitant = rows(py, samples.iter().map(|s| s.exitant).collect())?;
-        let weight = PyArray1::from_iter(py, samples.iter().map(|s| s.weight));
-        Ok((exitant, weight, PyArray1::from_iter(py, samples.iter().map(|s| s.pdf))))
+        let (mut exitant, mut weight, mut pdf) =
+            (vec![[0.0; 3]; i.len()], vec![0.0; i.len()], vec![0.0; i.len()]);
+        py.detach(|| {
+            // Few enough to stay in the cache.
+            const CHUNK: usize = 4096;
+            let mut samples = vec![Sample { exitant: [0.0; 3], pdf: 0.0, weight: 0.0 }; CHUNK.min(i.len())];
+            for first in (0..i.len()).step_by(CHUNK) {
+                let range = first..(first + CHUNK).min(i.len());
+                let samples = &mut samples[..range.len()];
+                let v = v.map(|v| &v[range.clone()]);
+                band.sample_many(&i[range.clone()], &u[range.clone()], v, lobes, samples);
+                for (k, sample) in range.zip(samples) {
+                    (exitant[k], weight[k], pdf[k]) = (sample.exitant, sample.weight, sample.pdf);
+                }
+            }
+        });
+        Ok((rows(py, exitant)?, PyArray1::from_vec(py, weight), PyArray1::from_vec(py, pdf)))
     }
 
     fn hemispherical<'py>(
@@ -263,7 +281,9 @@ impl Bsdf {
         part: &str,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let lobes = lobes(part)?;
-        let values = self.over_incident(py, band, &incident, |band, i| band.hemispherical(i, lobes))?;
+        let values = self.over_incident(py, band, &incident, |band, i, totals| {
+            band.hemispherical_many(i, lobes, totals);
+        })?;
         Ok(PyArray1::from_vec(py, values))
     }
 
@@ -275,7 +295,11 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let angle = |band: &Band, i, o| band.projected_solid_angle(i, o).unwrap_or(f64::NAN);
+        let angle = |band: &Band, incident: &[Direction], exitant: &[Direction], angles: &mut [f64]| {
+            for ((&i, &o), angle) in incident.iter().zip(exitant).zip(angles) {
+                *angle = band.projected_solid_angle(i, o).unwrap_or(f64::NAN);
+            }
+        };
         Ok(PyArray1::from_vec(py, self.over_pairs(py, band, &incident, &exitant, angle)?))
     }
 
@@ -288,7 +312,11 @@ impl Bsdf {
         part: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let lobes = lobes(part)?;
-        let range = |band: &Band, i| band.projected_solid_angle_range(i, lobes).unwrap_or([f64::NAN; 2]);
+        let range = |band: &Band, incident: &[Direction], ranges: &mut [[f64; 2]]| {
+            for (&i, range) in incident.iter().zip(ranges) {
+                *range = band.projected_solid_angle_range(i, lobes).unwrap_or([f64::NAN; 2]);
+            }
+        };
         rows(py, self.over_incident(py, band, &incident, range)?)
     }
 

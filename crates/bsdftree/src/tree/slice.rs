@@ -79,7 +79,7 @@ impl Slice {
     /// Where to begin in the guide for a number; the slice must not be black.
     #[inline(always)]
     pub fn guide(&self, u: f64) -> &u32 {
-        let part = u64::from(target(u) as u32) * self.guide.len() as u64 >> 32;
+        let part = (u64::from(target(u) as u32) * self.guide.len() as u64) >> 32;
         &self.guide[part as usize]
     }
 
