@@ -73,6 +73,14 @@ pub enum DeviceError {
         /// How many are allowed.
         limit: u64,
     },
+    /// What a modifier needs is wrong in another file.
+    #[error("{at}: {reason}")]
+    Modifier {
+        /// The line of the modifier.
+        at: Place,
+        /// What is wrong, with its own file and line, and which surface needs it.
+        reason: String,
+    },
     /// A file could not be read.
     #[error("{}cannot read '{}': {reason}", place_before(.named_at), .path.display())]
     File {

@@ -24,12 +24,13 @@
 //! # Ok::<(), bsdftree_device::DeviceError>(())
 //! ```
 //!
-//! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`options`], [`material`], [`mesh`], [`shape`], [`device`], `rad` (scene
+//! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`options`], [`cal`], [`field`], [`material`], [`mesh`], [`shape`], [`device`], `rad` (scene
 //! files), [`parametric`].
 
 pub mod cal;
 pub mod device;
 pub mod error;
+pub mod field;
 pub mod material;
 pub mod mesh;
 mod mgf;

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::device::Device;
-use crate::material::Material;
 use crate::mesh::Moving;
 use crate::shape::Shape;
 
@@ -82,9 +81,7 @@ impl Device {
             [a.min(b), a.max(b)]
         });
         for named in &mut device.materials {
-            if let Material::Gloss(gloss) = &mut named.material {
-                gloss.orientation = gloss.orientation.map(turn);
-            }
+            named.material = named.material.turned(&turn);
         }
         device
     }

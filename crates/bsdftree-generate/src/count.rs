@@ -105,6 +105,9 @@ impl<S: Spectrum> Counter<'_, S> {
                     return Err(GenerateError::Cancelled);
                 }
                 let block = self.block(workspace, walker.as_ref(), &slot.place, round);
+                if let Some(error) = self.scene.faults().error() {
+                    return Err(GenerateError::Function(error.clone()));
+                }
                 if let Some(file) = file {
                     file.append(id, &block.view(), &mut workspace.bytes)?;
                 }

@@ -11,6 +11,7 @@ use bsdftree::color::xyz_from_rgb;
 use bsdftree::tree::TreeError;
 use bsdftree::{Bsdf, Header, Rank};
 use bsdftree_device::Device;
+use bsdftree_device::field::FieldError;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -60,6 +61,9 @@ pub enum GenerateError {
         /// Memory needed.
         gib: f64,
     },
+    /// A function of the device failed.
+    #[error("{0}")]
+    Function(FieldError),
     /// What was counted cannot be kept, or is of another generation.
     #[error("{0}")]
     Checkpoint(#[from] CheckpointError),
@@ -323,6 +327,9 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         let mut warnings = device.warnings.clone();
         if lost > 0 {
             warnings.push(format!("{lost} paths were trapped in the device and are missing"));
+        }
+        for name in self.counter.scene.faults().too_bright() {
+            warnings.push(format!("material '{name}' sends out more light than it gets where its patterns make it brighter than white"));
         }
         if self.counter.aperture.max[2] > 1e-5 {
             warnings.push(format!(

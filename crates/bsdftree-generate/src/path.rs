@@ -6,12 +6,14 @@
 
 mod wave;
 
-use bsdftree_device::Device;
+use std::sync::Arc;
+
+use bsdftree_device::{Device, NamedMaterial, Shape};
 use glam::DVec3;
 
 use crate::bvh::{Bvh, BvhError, Hit, Ray};
 use crate::random::Random;
-use crate::scatter::{Meeting, PreparedMaterial, Spectrum, attenuation};
+use crate::scatter::{Faults, Meeting, PreparedMaterial, Scatter, Spectrum, attenuation};
 use crate::tile::Tile;
 
 pub use wave::Departure;
@@ -27,6 +29,9 @@ const MAX_BOUNCES: u32 = 10_000;
 pub struct Scene<S> {
     bvh: Bvh,
     materials: Vec<PreparedMaterial<S>>,
+    /// Whether all materials are plain and no surface is a smooth mesh.
+    is_plain: bool,
+    faults: Arc<Faults>,
 }
 
 /// How a path ended.
@@ -43,8 +48,24 @@ pub enum Outcome<S> {
 impl<S: Spectrum> Scene<S> {
     /// Prepares a device.
     pub fn new(device: &Device) -> Result<Scene<S>, BvhError> {
-        let materials = device.materials.iter().map(|m| PreparedMaterial::new(&m.material)).collect();
-        Ok(Scene { bvh: Bvh::build(device)?, materials })
+        let faults = Arc::new(Faults::default());
+        let prepared = |m: &NamedMaterial| PreparedMaterial::prepare(&m.material, &m.name, &faults);
+        let materials: Vec<_> = device.materials.iter().map(prepared).collect();
+        let is_smooth =
+            |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if !mesh.vertices.normals.is_empty());
+        let is_plain = materials.iter().all(PreparedMaterial::is_plain)
+            && !device.surfaces.iter().any(|surface| is_smooth(&surface.shape));
+        Ok(Scene { bvh: Bvh::build(device)?, materials, is_plain, faults })
+    }
+
+    /// What went wrong at surfaces so far: after a failure, no path is right.
+    pub fn faults(&self) -> &Faults {
+        &self.faults
+    }
+
+    /// Whether how a ray scatters depends on nothing but the material and two directions.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.is_plain
     }
 
     /// What rays meet, and what it is made of.
@@ -107,16 +128,13 @@ impl<S: Spectrum> Scene<S> {
             return path.go_on(again);
         }
         let Some(hit) = hit else { return Some(Outcome::Left(ray.direction, path.weight)) };
-        let material = &self.materials[hit.material as usize];
+        let Met { before, scatter, after } =
+            if self.is_plain { self.meet(path, &hit, random) } else { self.meet_varying(path, &hit, random) };
         let mut weight = path.weight;
-        if let Some(transmittance) = material.medium(hit.front).or(path.medium) {
+        if let Some(transmittance) = before.or(path.medium) {
             weight = weight * attenuation::<S>(transmittance, hit.t);
         }
-        let meeting = Meeting::of(&self.bvh, &ray, &hit, path.traveled);
-        path.traveled = meeting.traveled;
-        let Some(scatter) = material.scatter(&meeting, random) else {
-            return Some(Outcome::Absorbed);
-        };
+        let Some(scatter) = scatter else { return Some(Outcome::Absorbed) };
         weight = weight * scatter.weight;
         let luminance = weight.luminance();
         if luminance < FAINT {
@@ -127,10 +145,38 @@ impl<S: Spectrum> Scene<S> {
             weight = weight / survival;
         }
         path.weight = weight;
-        if let Some(entered) = material.medium(hit.front != scatter.transmitted) {
+        if let Some(entered) = after {
             path.medium = (entered != DVec3::ONE).then_some(entered);
         }
         path.go_on(Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.part) })
+    }
+}
+
+/// What a surface does with a path: its media in front of it, on the path's way, and behind.
+struct Met<S> {
+    before: Option<DVec3>,
+    scatter: Option<Scatter<S>>,
+    after: Option<DVec3>,
+}
+
+impl<S: Spectrum> Scene<S> {
+    #[inline(always)]
+    fn meet(&self, path: &Path<S>, hit: &Hit, random: &mut Random) -> Met<S> {
+        let material = &self.materials[hit.material as usize];
+        let scatter = material.scatter_plain(hit.normal, path.ray.direction, random);
+        let after = scatter.and_then(|s| material.medium_plain(hit.front != s.transmitted));
+        Met { before: material.medium_plain(hit.front), scatter, after }
+    }
+
+    /// [`meet`](Self::meet) for any material and any surface.
+    #[inline(never)]
+    fn meet_varying(&self, path: &mut Path<S>, hit: &Hit, random: &mut Random) -> Met<S> {
+        let material = &self.materials[hit.material as usize];
+        let meeting = Meeting::of(&self.bvh, &path.ray, hit, path.traveled);
+        path.traveled = meeting.traveled;
+        let scatter = material.scatter(&meeting, random);
+        let after = scatter.and_then(|s| material.medium(&meeting, hit.front != s.transmitted));
+        Met { before: material.medium(&meeting, hit.front), scatter, after }
     }
 }
 

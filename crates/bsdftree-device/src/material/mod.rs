@@ -3,7 +3,17 @@
 //! These are descriptions only; how a ray scatters from them is `bsdftree_generate::scatter`.
 //! Colours are linear RGB in Radiance's primaries, each in [0, 1] unless said otherwise.
 
+mod function;
+mod modifier;
+
+use std::sync::Arc;
+
 use glam::DVec3;
+
+use crate::field::Field;
+
+pub use function::{BrtdFunction, FunctionGloss};
+pub use modifier::Modifier;
 
 /// A material, with the parameters of Radiance's reference manual.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +43,73 @@ pub enum Material {
         /// Reflectance, without Fresnel.
         reflectance: DVec3,
     },
+    /// `plastic2`, `metal2`, `trans2` whose orientation varies.
+    Oriented {
+        /// The material; its own orientation is not used.
+        gloss: Gloss,
+        /// The direction u that `roughness[0]` belongs to.
+        orientation: Arc<Field<3>>,
+    },
+    /// `plasfunc`, `metfunc`, `transfunc`, `plasdata`, `metdata`, `transdata`.
+    Function(Arc<FunctionGloss>),
+    /// `BRTDfunc`.
+    Brtd(Arc<BrtdFunction>),
+    /// `mixfunc`, `mixdata`, `mixpict` of materials.
+    Mixture {
+        /// How much of the foreground, in [0, 1] once it is limited to that.
+        amount: Arc<Field<1>>,
+        /// What there is with this amount; [`Material::Void`] where nothing is.
+        foreground: Box<Material>,
+        /// What there is else.
+        background: Box<Material>,
+    },
+    /// A material, or a mixture of materials, with patterns and textures before it.
+    Modified {
+        /// All of them, in any order.
+        modifiers: Arc<[Modifier]>,
+        /// What they modify.
+        material: Box<Material>,
+        /// The scene's unit \[m\]: a pattern on a medium is a factor on its transmittance of one such length.
+        unit: f64,
+    },
+}
+
+impl Material {
+    /// The same in a device that is turned by a rotation.
+    pub fn turned(&self, turn: &dyn Fn(DVec3) -> DVec3) -> Material {
+        let boxed = |material: &Material| Box::new(material.turned(turn));
+        match self {
+            Material::Gloss(gloss) => {
+                Material::Gloss(Gloss { orientation: gloss.orientation.map(turn), ..*gloss })
+            }
+            Material::Oriented { gloss, orientation } => {
+                Material::Oriented { gloss: *gloss, orientation: Arc::new(orientation.turned(turn)) }
+            }
+            Material::Function(function) => {
+                let lobe = function.lobe.turned(turn);
+                Material::Function(Arc::new(FunctionGloss { lobe, ..FunctionGloss::clone(function) }))
+            }
+            Material::Brtd(brtd) => {
+                let space = Arc::new(brtd.space.turned(turn));
+                Material::Brtd(Arc::new(BrtdFunction { space, ..BrtdFunction::clone(brtd) }))
+            }
+            Material::Mixture { amount, foreground, background } => Material::Mixture {
+                amount: Arc::new(amount.turned(turn)),
+                foreground: boxed(foreground),
+                background: boxed(background),
+            },
+            Material::Modified { modifiers, material, unit } => Material::Modified {
+                modifiers: modifiers.iter().map(|m| m.turned(turn)).collect(),
+                material: boxed(material),
+                unit: *unit,
+            },
+            Material::Void
+            | Material::Black
+            | Material::Glass { .. }
+            | Material::Dielectric { .. }
+            | Material::Mirror { .. } => self.clone(),
+        }
+    }
 }
 
 /// Whether the specular part is coloured, and whether light goes through.

@@ -36,10 +36,24 @@ pub(super) fn write_material(
             lost.push("that its back is black, and that it reflects no more at grazing incidence");
             specular(to, "rs", *reflectance, 0.0)?;
         }
-        #[allow(unreachable_patterns, reason = "materials are being added")]
-        _ => {
-            lost.push("what it does: it is black");
-            writeln!(to, "\trd 0")?;
+        Material::Oriented { gloss, .. } => write_gloss(to, gloss, &mut lost)?,
+        Material::Function(function) => {
+            lost.push("that it is specular by a function: it is diffuse");
+            diffuse(to, "rd", function.color * (1.0 - function.transmission))?;
+            diffuse(to, "td", function.color * function.transmission)?;
+        }
+        Material::Brtd(brtd) => {
+            lost.push("that it is specular by a function: it is diffuse");
+            diffuse(to, "rd", brtd.diffuse_reflection[0])?;
+            diffuse(to, "td", brtd.diffuse_transmission)?;
+        }
+        Material::Mixture { foreground, .. } => {
+            lost.push("that it is mixed with another material");
+            lost.extend(write_material(to, foreground, meters)?);
+        }
+        Material::Modified { material, .. } => {
+            lost.push("its patterns and textures");
+            lost.extend(write_material(to, material, meters)?);
         }
     }
     Ok(lost)
@@ -50,23 +64,18 @@ fn write_gloss(to: &mut String, gloss: &Gloss, lost: &mut Vec<&'static str>) -> 
     if u != v {
         lost.push("that its roughness differs along two directions: it has their mean");
     }
-    let (color, rough) = (gloss.color, 0.5 * (u + v));
-    let (diffuse, trans, through) = (1.0 - gloss.specular, gloss.transmission, gloss.transmitted_specular);
+    let rough = 0.5 * (u + v);
+    let (specular, trans, through) = (gloss.specular, gloss.transmission, gloss.transmitted_specular);
+    let luminance = write_color(to, gloss.color)?;
+    let inner = luminance * (1.0 - specular);
+    if gloss.kind == GlossKind::Trans {
+        writeln!(to, "\ttd {:?}", inner * trans * (1.0 - through))?;
+        writeln!(to, "\tts {:?} {rough:?}", inner * trans * through)?;
+    }
+    writeln!(to, "\trd {:?}", inner * (1.0 - trans))?;
     match gloss.kind {
-        GlossKind::Plastic => {
-            self::diffuse(to, "rd", color * diffuse)?;
-            specular(to, "rs", DVec3::splat(gloss.specular), rough)
-        }
-        GlossKind::Metal => {
-            self::diffuse(to, "rd", color * diffuse)?;
-            specular(to, "rs", color * gloss.specular, rough)
-        }
-        GlossKind::Trans => {
-            self::diffuse(to, "td", color * (diffuse * trans * (1.0 - through)))?;
-            specular(to, "ts", color * (diffuse * trans * through), rough)?;
-            self::diffuse(to, "rd", color * (diffuse * (1.0 - trans)))?;
-            specular(to, "rs", DVec3::splat(gloss.specular), rough)
-        }
+        GlossKind::Metal => writeln!(to, "\trs {:?} {rough:?}", luminance * specular),
+        GlossKind::Plastic | GlossKind::Trans => writeln!(to, "\tc\n\trs {specular:?} {rough:?}"),
     }
 }
 

@@ -116,10 +116,10 @@ impl Collection {
         if let Some(index) = definition.index.get() {
             return Ok(index);
         }
-        let material = definition.effective.as_ref().map_err(|problem| problem.raise(user, at))?;
-        let index = self.index_of(&definition.name, material);
+        let material = definition.material().map_err(|problem| problem.raise(user, at))?;
+        let index = self.index_of(&definition.name, &material);
         definition.index.set(Some(index));
-        if let Some(notice) = &definition.notice {
+        for notice in &definition.notices {
             self.warn(notice.clone());
         }
         Ok(index)

@@ -1,38 +1,105 @@
-//! Modifiers by name: materials, aliases, and modifiers that no surface may use yet.
+//! Modifiers by name: materials, patterns, textures, mixtures, aliases.
 //!
-//! In: primitives and aliases in order. Out: for a modifier's name at this point of the scene, its material. The
-//! latest definition wins, and what was defined with an earlier one keeps it, as in Radiance. A material under a
-//! modifier that is not handled is a problem only when a surface uses it; so libraries of materials may be read.
+//! In: primitives and aliases in order. Out: for a modifier's name at this point of the scene, what a surface is made of that has
+//! it. The latest definition wins, and what was defined with an earlier one keeps it, as in Radiance. What cannot be
+//! used is a problem only when a surface uses it; so libraries of materials may be read.
+//!
+//! A surface's modifier, that one's modifier, and so on, are a chain. Its first material is what the surface is made of; all
+//! patterns and textures of the chain act on it, before it and behind it. A mixture of which a side has a material
+//! is one itself, and may have no modifier; a side without material is not there. A chain without material is not there.
 
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
+use super::field::FieldReader;
+use super::function_material;
+use super::library::{Library, Standing};
 use super::material;
+use super::modifier::{self, Described};
 use super::problem::Problem;
 use super::statement::{Primitive, quoted};
 use super::transform::Transform;
 use super::types::{self, Class};
 use crate::error::{DeviceError, Place};
-use crate::material::Material;
+use crate::field::Field;
+use crate::material::{Material, Modifier};
+
+/// Most modifiers and materials that one may stand for, mixtures in mixtures counted each time.
+const MOST_PARTS: usize = 4096;
 
 /// A definition that surfaces and other modifiers refer to.
 pub(super) struct Definition {
     pub name: String,
-    /// The material by itself.
-    own: Result<Material, Rc<Problem>>,
-    /// The material with its modifiers.
-    pub effective: Result<Material, Rc<Problem>>,
+    /// What it is by itself.
+    own: Result<Own, Rc<Problem>>,
+    /// What it is with its modifiers.
+    chain: Result<Chain, Rc<Problem>>,
     /// To be told when a surface uses it.
-    pub notice: Option<String>,
+    pub notices: Vec<String>,
     /// Its index in the device, once a surface has used it.
     pub index: Cell<Option<u32>>,
+}
+
+/// A modifier by itself.
+#[derive(Clone)]
+enum Own {
+    Material(Material),
+    /// `illum`, whose own modifiers are its light's.
+    Alternate(Chain),
+    Modifier(Modifier),
+    Mixture(Field<1>, [Chain; 2]),
+}
+
+/// A modifier with those behind it.
+#[derive(Clone)]
+enum Chain {
+    Material(Material, usize),
+    Modifiers(Vec<Modifier>, usize),
+}
+
+impl Chain {
+    /// Of `void`.
+    const NONE: Chain = Chain::Modifiers(Vec::new(), 0);
+
+    /// How many modifiers and materials it has.
+    fn parts(&self) -> usize {
+        match self {
+            Chain::Material(_, parts) | Chain::Modifiers(_, parts) => *parts,
+        }
+    }
+
+    fn into_material(self) -> Material {
+        match self {
+            Chain::Material(material, _) => material,
+            Chain::Modifiers(..) => Material::Void,
+        }
+    }
+}
+
+impl Definition {
+    /// What a surface is made of.
+    pub(super) fn material(&self) -> Result<Material, Rc<Problem>> {
+        self.chain.clone().map(Chain::into_material)
+    }
+}
+
+/// What definitions depend on.
+#[derive(Clone, Copy)]
+pub(super) struct Setting<'a> {
+    pub standing: &'a Standing<'a>,
+    /// From the scene's coordinates to the device's \[m\].
+    pub to: &'a Transform,
+    /// The scene's unit \[m\].
+    pub unit: f64,
 }
 
 /// All definitions in force.
 #[derive(Default)]
 pub(super) struct Definitions {
     latest: HashMap<String, Rc<Definition>>,
+    library: Library,
 }
 
 impl Definitions {
@@ -50,50 +117,91 @@ impl Definitions {
     }
 
     /// Defines a material or another modifier.
-    pub(super) fn define(&mut self, p: &Primitive, at: &Place, to: &Transform) -> Result<(), DeviceError> {
-        let modifier = self.find(&p.modifier, at)?;
-        let (own, notice) = match self.own(p, at, to)? {
-            Ok((material, notice)) => (Ok(material), notice),
-            Err(problem) => (Err(problem), None),
-        };
-        let notice = notice.map(|notice| format!("{at}: {} \"{}\": {notice}", p.kind, p.name));
-        self.insert(&p.name, own, modifier, notice, at);
+    pub(super) fn define(&mut self, p: &Primitive, setting: &Setting) -> Result<(), DeviceError> {
+        let at = setting.standing.at;
+        let behind = self.find(&p.modifier, at)?;
+        let mut notices = Vec::new();
+        let own = self.own(p, setting, &mut notices)?.map(|(own, notice)| {
+            notices.extend(notice.map(|notice| format!("{at}: {} \"{}\": {notice}", p.kind, p.name)));
+            own
+        });
+        self.insert(&p.name, own, behind, notices, setting.unit, at);
         Ok(())
     }
 
     fn own(
-        &self,
+        &mut self,
         p: &Primitive,
-        at: &Place,
-        to: &Transform,
-    ) -> Result<Result<material::Described, Rc<Problem>>, DeviceError> {
+        setting: &Setting,
+        notices: &mut Vec<String>,
+    ) -> Result<Described<Own>, DeviceError> {
+        let standing = setting.standing;
         if let Class::UnsupportedModifier(kind) = p.class {
             let what = match kind {
                 "material" => format!("material type '{}' (modifier \"{}\")", p.kind, p.name),
                 _ => format!("{kind} '{}' (modifier \"{}\")", p.kind, p.name),
             };
-            return Ok(Err(Rc::new(Problem::unsupported(at, what, types::advice(kind)))));
+            return Ok(Err(Rc::new(Problem::unsupported(standing.at, what, types::advice(kind)))));
         }
-        material::check_counts(p, at)?;
         if p.kind == "illum" {
-            return self.illum(p, at);
+            material::check_counts(p, standing.at)?;
+            return self.illum(p, standing.at);
         }
-        Ok(material::describe(p, at, to).map_err(Rc::new))
+        let described =
+            |own: Described<Material>| own.map(|(material, notice)| (Own::Material(material), notice));
+        match p.class {
+            Class::Modifier => {
+                modifier::check_counts(p, standing)?;
+                let modifier = modifier::describe(self.reader(p, setting));
+                Ok(modifier.map(|(modifier, notice)| (Own::Modifier(modifier), notice)))
+            }
+            Class::Mixture => {
+                modifier::check_counts(p, standing)?;
+                let sides = [self.side(&p.strings[0], standing.at)?, self.side(&p.strings[1], standing.at)?];
+                for (_, of_side) in &sides {
+                    notices.extend(of_side.iter().cloned());
+                }
+                let amount = modifier::amount(self.reader(p, setting));
+                let mixture = amount.and_then(|(amount, notice)| {
+                    let [foreground, background] = sides.map(|(chain, _)| chain);
+                    Ok((Own::Mixture(amount, [foreground?, background?]), notice))
+                });
+                Ok(mixture)
+            }
+            _ if function_material::is_one(&p.kind) => {
+                function_material::check_counts(p, standing)?;
+                Ok(described(function_material::describe(self.reader(p, setting))))
+            }
+            _ => {
+                material::check_counts(p, standing.at)?;
+                Ok(described(material::describe(self.reader(p, setting))))
+            }
+        }
+    }
+
+    fn reader<'a>(&'a mut self, p: &'a Primitive, setting: &Setting<'a>) -> FieldReader<'a> {
+        let Setting { standing, to, unit } = *setting;
+        FieldReader { p, standing, to, unit, library: &mut self.library }
+    }
+
+    /// A side of a mixture, and what the user should know of it.
+    fn side(&self, name: &str, at: &Place) -> Result<(Result<Chain, Rc<Problem>>, Vec<String>), DeviceError> {
+        if name == "void" {
+            return Ok((Ok(Chain::NONE), Vec::new()));
+        }
+        let definition = self.find_named("side of a mixture", name, at)?;
+        Ok((definition.chain.clone(), definition.notices.clone()))
     }
 
     /// `illum` is its alternate material, or not there.
-    fn illum(
-        &self,
-        p: &Primitive,
-        at: &Place,
-    ) -> Result<Result<material::Described, Rc<Problem>>, DeviceError> {
+    fn illum(&self, p: &Primitive, at: &Place) -> Result<Described<Own>, DeviceError> {
         let emits = p.reals.iter().any(|&x| x != 0.0);
         let alternate = match p.strings.first().map(String::as_str) {
-            None | Some("void") => Ok(Material::Void),
-            Some(name) => self.find_named("alternate material", name, at)?.effective.clone(),
+            None | Some("void") => Ok(Chain::Material(Material::Void, 1)),
+            Some(name) => self.find_named("alternate material", name, at)?.chain.clone(),
         };
         let notice = || "its light is left out: it is its alternate material".to_owned();
-        Ok(alternate.map(|material| (material, emits.then(notice))))
+        Ok(alternate.map(|chain| (Own::Alternate(chain), emits.then(notice))))
     }
 
     /// Defines `name` as `reference` under another modifier; under the same one if that is `inherit`.
@@ -102,18 +210,19 @@ impl Definitions {
         modifier: &str,
         name: &str,
         reference: &str,
+        unit: f64,
         at: &Place,
     ) -> Result<(), DeviceError> {
         let original = self.find_named("reference of alias", reference, at)?;
-        let (own, notice) = (original.own.clone(), original.notice.clone());
+        let (own, notices) = (original.own.clone(), original.notices.clone());
         if modifier == "inherit" {
-            let effective = original.effective.clone();
-            let definition =
-                Definition { name: name.to_owned(), own, effective, notice, index: Cell::new(None) };
+            let chain = original.chain.clone();
+            let index = Cell::new(None);
+            let definition = Definition { name: name.to_owned(), own, chain, notices, index };
             self.latest.insert(name.to_owned(), Rc::new(definition));
         } else {
-            let modifier = self.find(modifier, at)?;
-            self.insert(name, own, modifier, notice, at);
+            let behind = self.find(modifier, at)?;
+            self.insert(name, own, behind, notices, unit, at);
         }
         Ok(())
     }
@@ -121,24 +230,86 @@ impl Definitions {
     fn insert(
         &mut self,
         name: &str,
-        own: Result<Material, Rc<Problem>>,
-        modifier: Option<Rc<Definition>>,
-        notice: Option<String>,
+        own: Result<Own, Rc<Problem>>,
+        behind: Option<Rc<Definition>>,
+        mut notices: Vec<String>,
+        unit: f64,
         at: &Place,
     ) {
-        let effective = match (&own, modifier) {
-            (Err(problem), _) => Err(problem.clone()),
-            (Ok(_), None) => own.clone(),
-            (Ok(_), Some(modifier)) => Err(match &modifier.effective {
-                Err(problem) => problem.clone(),
-                Ok(_) => Rc::new(Problem::value(
-                    at,
-                    format!("'void' or a pattern as the modifier of material \"{name}\""),
-                    format!("the material {}", quoted(&modifier.name)),
-                )),
-            }),
-        };
-        let definition = Definition { name: name.to_owned(), own, effective, notice, index: Cell::new(None) };
+        let chain = own.clone().and_then(|own| linked(name, own, behind.as_deref(), unit, at));
+        notices.extend(behind.iter().flat_map(|definition| definition.notices.iter().cloned()));
+        let definition = Definition { name: name.to_owned(), own, chain, notices, index: Cell::new(None) };
         self.latest.insert(name.to_owned(), Rc::new(definition));
+    }
+}
+
+/// A modifier with the one behind it.
+fn linked(
+    name: &str,
+    own: Own,
+    behind: Option<&Definition>,
+    unit: f64,
+    at: &Place,
+) -> Result<Chain, Rc<Problem>> {
+    let rest = match behind {
+        None => Chain::NONE,
+        Some(definition) => definition.chain.clone()?,
+    };
+    let of_sides = match &own {
+        Own::Mixture(_, [a, b]) => a.parts() + b.parts(),
+        _ => 0,
+    };
+    let parts = 1 + rest.parts() + of_sides;
+    if parts > MOST_PARTS {
+        let expected = format!("at most {MOST_PARTS} modifiers in all of \"{name}\"");
+        return Err(Rc::new(Problem::value(at, expected, parts.to_string())));
+    }
+    let is_material = matches!(rest, Chain::Material(..));
+    let misplaced = |what: &str, expected: &str| {
+        let kind = if is_material { "material" } else { "modifier" };
+        let found =
+            behind.map_or_else(String::new, |definition| format!("the {kind} {}", quoted(&definition.name)));
+        Rc::new(Problem::value(at, format!("{expected} as the modifier of {what} \"{name}\""), found))
+    };
+    let before = |modifier: Modifier, rest: Chain| match rest {
+        Chain::Modifiers(mut modifiers, _) => {
+            modifiers.push(modifier);
+            Chain::Modifiers(modifiers, parts)
+        }
+        Chain::Material(material, _) => Chain::Material(modified(material, vec![modifier], unit), parts),
+    };
+    match own {
+        // What has no colour has none to modify.
+        Own::Material(material @ (Material::Black | Material::Void)) => Ok(Chain::Material(material, 1)),
+        Own::Alternate(chain) => Ok(chain),
+        Own::Material(material) => match rest {
+            Chain::Modifiers(modifiers, _) => Ok(Chain::Material(modified(material, modifiers, unit), parts)),
+            Chain::Material(..) => Err(misplaced("material", "'void', a pattern or a texture")),
+        },
+        Own::Modifier(modifier) => Ok(before(modifier, rest)),
+        Own::Mixture(amount, [Chain::Modifiers(foreground, _), Chain::Modifiers(background, _)]) => {
+            Ok(before(Modifier::Mixture { amount, foreground, background }, rest))
+        }
+        Own::Mixture(amount, sides) => match behind {
+            None => {
+                let [foreground, background] = sides.map(|side| Box::new(side.into_material()));
+                let amount = Arc::new(amount);
+                Ok(Chain::Material(Material::Mixture { amount, foreground, background }, parts))
+            }
+            Some(_) => Err(misplaced("a mixture of materials,", "'void'")),
+        },
+    }
+}
+
+/// A material with modifiers before those it has.
+fn modified(material: Material, mut added: Vec<Modifier>, unit: f64) -> Material {
+    match material {
+        Material::Black | Material::Void => material,
+        material if added.is_empty() => material,
+        Material::Modified { modifiers, material, unit } => {
+            added.extend(modifiers.iter().cloned());
+            Material::Modified { modifiers: added.into(), material, unit }
+        }
+        material => Material::Modified { modifiers: added.into(), material: Box::new(material), unit },
     }
 }

@@ -82,6 +82,16 @@ impl Source {
 
 /// The text of a file; bytes that are not UTF-8, as in old comments, become replacement characters.
 pub(crate) fn read(path: &Path, named_at: Option<&Place>) -> Result<String, DeviceError> {
+    let bytes = read_bytes(path, LARGEST, named_at)?;
+    Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+}
+
+/// What is in a file of at most `largest` bytes.
+pub(crate) fn read_bytes(
+    path: &Path,
+    largest: u64,
+    named_at: Option<&Place>,
+) -> Result<Vec<u8>, DeviceError> {
     let error =
         |reason: String| DeviceError::File { path: path.to_owned(), named_at: named_at.cloned(), reason };
     let metadata = path.metadata().map_err(|e| error(e.to_string()))?;
@@ -90,9 +100,9 @@ pub(crate) fn read(path: &Path, named_at: Option<&Place>) -> Result<String, Devi
     }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|e| error(e.to_string()))?;
-    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(|e| error(e.to_string()))?;
-    if bytes.len() as u64 > LARGEST {
-        return Err(error("it is larger than 1 GiB".to_owned()));
+    file.take(largest + 1).read_to_end(&mut bytes).map_err(|e| error(e.to_string()))?;
+    if bytes.len() as u64 > largest {
+        return Err(error(format!("it is larger than {} MiB", largest >> 20)));
     }
-    Ok(String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned()))
+    Ok(bytes)
 }

@@ -6,9 +6,12 @@
 //! emitters are black; dispersion (Hartmann's constant) is left out, with a notice.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::field::{FieldReader, Layout};
+use super::modifier::Described;
 use super::problem::Problem;
 use super::shape::unit;
 use super::statement::{Primitive, quoted, real};
@@ -16,8 +19,14 @@ use super::transform::{self, Transform};
 use crate::error::{DeviceError, Place};
 use crate::material::{Gloss, GlossKind, Material, Medium};
 
-/// A material, and what the user should know if it is used.
-pub(super) type Described = (Material, Option<String>);
+/// The string arguments of anisotropic materials.
+const ORIENTATION: Layout = Layout {
+    skipped: 0,
+    n_functions: 3,
+    n_data: 0,
+    picture: false,
+    expected: "ux uy uz funcfile [transform]",
+};
 
 /// The real arguments of a material type: how many, and what they are.
 fn expected_reals(kind: &str) -> (RangeInclusive<usize>, &'static str) {
@@ -42,7 +51,9 @@ fn expected_reals(kind: &str) -> (RangeInclusive<usize>, &'static str) {
 /// The string arguments of a material type.
 fn expected_strings(kind: &str) -> (RangeInclusive<usize>, &'static str) {
     match kind {
-        "plastic2" | "metal2" | "trans2" => (3..=usize::MAX, "string arguments ux uy uz . [transform]"),
+        "plastic2" | "metal2" | "trans2" => {
+            (4..=usize::MAX, "string arguments ux uy uz funcfile [transform]")
+        }
         "mirror" | "illum" => (0..=1, "at most 1 string argument (the alternate material)"),
         _ => (0..=0, "no string arguments"),
     }
@@ -65,11 +76,26 @@ pub(super) fn check_counts(p: &Primitive, at: &Place) -> Result<(), DeviceError>
 }
 
 /// The material of a primitive whose counts are right. `illum` is its light only: black.
-pub(super) fn describe(p: &Primitive, at: &Place, to: &Transform) -> Result<Described, Problem> {
-    let reader = Reader { p, at };
+pub(super) fn describe(mut fields: FieldReader) -> Described<Material> {
+    let (p, to) = (fields.p, fields.to);
+    if p.kind.ends_with('2') && !has_constant_orientation(p) {
+        let gloss = Reader { p, at: fields.standing.at }.gloss(None)?;
+        let (orientation, notice) = fields.field(ORIENTATION)?;
+        return Ok((Material::Oriented { gloss, orientation: Arc::new(orientation) }, notice));
+    }
+    Ok(constant(&Reader { p, at: fields.standing.at }, to)?)
+}
+
+/// Whether `ux uy uz` are numbers, which no function file is needed for.
+fn has_constant_orientation(p: &Primitive) -> bool {
+    p.strings[..3].iter().all(|word| real(word).is_some())
+}
+
+fn constant(reader: &Reader, to: &Transform) -> Result<(Material, Option<String>), Problem> {
+    let p = reader.p;
     match &*p.kind {
         "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" => {
-            Ok((Material::Gloss(reader.gloss(to)?), None))
+            Ok((Material::Gloss(reader.gloss(Some(to))?), None))
         }
         "glass" => {
             let index = if p.reals.len() == 4 { reader.index(3)? } else { 1.52 };
@@ -104,7 +130,8 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn gloss(&self, to: &Transform) -> Result<Gloss, Problem> {
+    /// Without a transformation the orientation is left open.
+    fn gloss(&self, to: Option<&Transform>) -> Result<Gloss, Problem> {
         let anisotropic = self.p.kind.ends_with('2');
         let v_roughness = if anisotropic { 5 } else { 4 };
         let trans = self.p.kind.starts_with("trans");
@@ -119,7 +146,7 @@ impl Reader<'_> {
             color: self.color(0, "colour")?,
             specular: self.fraction(3, "specularity")?,
             roughness: [self.roughness(4)?, self.roughness(v_roughness)?],
-            orientation: if anisotropic { Some(self.orientation(to)?) } else { None },
+            orientation: to.filter(|_| anisotropic).map(|to| self.orientation(to)).transpose()?,
             transmission: of_trans(v_roughness + 1, "transmission")?,
             transmitted_specular: of_trans(v_roughness + 2, "transmitted specularity")?,
         })
@@ -128,20 +155,9 @@ impl Reader<'_> {
     /// The unit vector u of `ux uy uz funcfile transform`.
     fn orientation(&self, to: &Transform) -> Result<DVec3, Problem> {
         let strings = &self.p.strings;
-        if let Some(file) = strings.get(3).filter(|file| *file != ".") {
-            let what = format!("function file {} of {}", quoted(file), self.name());
-            return Err(Problem::unsupported(
-                self.at,
-                what,
-                "write ux uy uz as numbers and '.' for the file",
-            ));
-        }
         let mut u = DVec3::ZERO;
         for k in 0..3 {
-            u[k] = real(&strings[k]).ok_or_else(|| {
-                let what = format!("expression {} in {}", quoted(&strings[k]), self.name());
-                Problem::unsupported(self.at, what, "write ux uy uz as numbers")
-            })?;
+            u[k] = real(&strings[k]).unwrap_or_default();
         }
         let own = transform::single(strings.get(4..).unwrap_or_default())
             .map_err(|wrong| self.value(&wrong.expected, &wrong.found))?;

@@ -9,14 +9,19 @@
 //! modifier are an error, never drawn as something else.
 //!
 //! Modules in the order in which data flows: [`words`] → [`statement`] ([`types`]) → [`scene`] ([`command`], [`xform`],
-//! [`transform`], [`files`], [`definition`], [`problem`], [`material`]) →
-//! [`collect`] ([`shape`]); back to text: [`mod@write`].
+//! [`transform`], [`files`], [`definition`], [`problem`], [`material`], [`modifier`], [`function_material`], [`mod@field`],
+//! [`library`]) →
+//! [`collect`] ([`shape`]); back to text: [`mod@write`], [`write_material`].
 
 mod collect;
 mod command;
 mod definition;
+mod field;
 mod files;
+mod function_material;
+mod library;
 mod material;
+mod modifier;
 mod problem;
 mod scene;
 pub(crate) mod shape;
@@ -25,6 +30,7 @@ mod transform;
 mod types;
 mod words;
 mod write;
+mod write_material;
 mod xform;
 
 #[cfg(test)]

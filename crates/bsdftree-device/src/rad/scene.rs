@@ -9,8 +9,9 @@ use std::rc::Rc;
 
 use super::collect::{self, Collection};
 use super::command;
-use super::definition::Definitions;
+use super::definition::{Definitions, Setting};
 use super::files::{Files, Source};
+use super::library::Standing;
 use super::statement::{Content, Primitive, quoted};
 use super::transform::Transform;
 use super::types::Class;
@@ -121,7 +122,7 @@ impl Scene {
             self.collection.spend(64, &at)?;
             match &statement.content {
                 Content::Alias { modifier, name, reference } => {
-                    self.definitions.alias(modifier, name, reference, &at)?;
+                    self.definitions.alias(modifier, name, reference, self.options.unit.meters(), &at)?;
                 }
                 Content::Command(command) => {
                     let programs = command::pipe(command, &at)?;
@@ -134,8 +135,10 @@ impl Scene {
                         self.collection.surface(p, definition.as_deref(), placement, &at)?;
                     }
                     Class::UnsupportedSurface => return Err(unsupported_surface(p, &at)),
-                    Class::Material | Class::UnsupportedModifier(_) => {
-                        self.definitions.define(p, &at, &placement.transform)?;
+                    Class::Material | Class::Modifier | Class::Mixture | Class::UnsupportedModifier(_) => {
+                        let standing = Standing { at: &at, directory, files: &self.files };
+                        let (to, unit) = (&placement.transform, self.options.unit.meters());
+                        self.definitions.define(p, &Setting { standing: &standing, to, unit })?;
                     }
                 },
             }

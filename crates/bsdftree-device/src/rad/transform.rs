@@ -74,6 +74,11 @@ impl Transform {
         result
     }
 
+    /// The same as a matrix.
+    pub(crate) fn affine(&self) -> DAffine3 {
+        self.affine
+    }
+
     pub(crate) fn point(&self, p: DVec3) -> DVec3 {
         self.affine.transform_point3(p)
     }

@@ -7,6 +7,10 @@ pub(super) enum Class {
     Surface,
     /// A material that this reader handles.
     Material,
+    /// A pattern or texture that this reader handles.
+    Modifier,
+    /// A mixture that this reader handles.
+    Mixture,
     /// Geometry that it does not handle.
     UnsupportedSurface,
     /// A modifier that it does not handle, and which kind of modifier.
@@ -19,18 +23,16 @@ impl Class {
         Some(match kind {
             "polygon" | "sphere" | "bubble" | "cylinder" | "tube" | "cone" | "cup" | "ring" => Class::Surface,
             "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" | "glass" | "dielectric"
-            | "interface" | "mirror" | "light" | "glow" | "spotlight" | "illum" => Class::Material,
+            | "interface" | "mirror" | "light" | "glow" | "spotlight" | "illum" | "plasfunc" | "metfunc"
+            | "transfunc" | "BRTDfunc" | "plasdata" | "metdata" | "transdata" => Class::Material,
+            "texfunc" | "texdata" | "colorfunc" | "brightfunc" | "colordata" | "brightdata" | "colorpict"
+            | "spectrum" | "specfile" | "specfunc" => Class::Modifier,
+            "mixfunc" | "mixdata" | "mixpict" => Class::Mixture,
             "source" | "instance" | "mesh" => Class::UnsupportedSurface,
-            "texfunc" | "texdata" => Class::UnsupportedModifier("texture"),
-            "colorfunc" | "brightfunc" | "colordata" | "brightdata" | "colorpict" | "colortext"
-            | "brighttext" | "spectrum" | "specfile" | "specfunc" | "specdata" | "specpict" => {
-                Class::UnsupportedModifier("pattern")
-            }
-            "mixfunc" | "mixdata" | "mixpict" | "mixtext" => Class::UnsupportedModifier("mixture"),
-            "prism1" | "prism2" | "mist" | "plasfunc" | "metfunc" | "transfunc" | "BRTDfunc" | "plasdata"
-            | "metdata" | "transdata" | "antimatter" | "BSDF" | "aBSDF" | "sBSDF" | "WGMDfunc" | "ashik2" => {
-                Class::UnsupportedModifier("material")
-            }
+            "colortext" | "brighttext" | "specdata" | "specpict" => Class::UnsupportedModifier("pattern"),
+            "mixtext" => Class::UnsupportedModifier("mixture"),
+            "prism1" | "prism2" | "mist" | "antimatter" | "BSDF" | "aBSDF" | "sBSDF" | "WGMDfunc"
+            | "ashik2" => Class::UnsupportedModifier("material"),
             _ => return None,
         })
     }
@@ -39,9 +41,8 @@ impl Class {
 /// What to do about a kind of modifier that is not handled.
 pub(super) fn advice(kind: &str) -> &'static str {
     match kind {
-        "texture" => "remove it, or model the relief with polygons",
-        "pattern" => "remove it or flatten it to a plain colour",
-        "mixture" => "use one of its two materials",
+        "pattern" => "draw it into a picture for colorpict, or describe it by colorfunc or colordata",
+        "mixture" => "draw it into a picture for mixpict, or describe it by mixfunc or mixdata",
         _ => "use plastic, metal, trans, their 2-forms, glass, dielectric, interface or mirror instead",
     }
 }

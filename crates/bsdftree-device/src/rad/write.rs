@@ -7,8 +7,9 @@ use std::fmt::{self, Write};
 
 use glam::DVec3;
 
+use super::write_material::write_material;
 use crate::device::Device;
-use crate::material::{Gloss, GlossKind, Material, Medium};
+use crate::material::Material;
 use crate::mesh::write_polygons;
 use crate::shape::Shape;
 
@@ -49,50 +50,6 @@ fn word(name: &str) -> String {
     let plain: String =
         name.chars().map(|c| if c.is_whitespace() || c == '"' || c == '\'' { '_' } else { c }).collect();
     if plain.is_empty() || plain.starts_with(['#', '!']) { format!("_{plain}") } else { plain }
-}
-
-fn write_material(to: &mut String, name: &str, material: &Material) -> fmt::Result {
-    match material {
-        Material::Void => writeln!(to, "\nvoid illum {name}\n0\n0\n3 0 0 0"),
-        Material::Black => writeln!(to, "\nvoid glow {name}\n0\n0\n4 0 0 0 0"),
-        Material::Gloss(gloss) => write_gloss(to, name, gloss),
-        Material::Glass { transmissivity, index } => {
-            writeln!(to, "\nvoid glass {name}\n0\n0\n4 {} {index:?}", Triple(*transmissivity))
-        }
-        Material::Mirror { reflectance } => {
-            writeln!(to, "\nvoid mirror {name}\n0\n0\n3 {}", Triple(*reflectance))
-        }
-        Material::Dielectric { inside, outside } if *outside == Medium::VACUUM => {
-            let Medium { transmittance, index } = inside;
-            writeln!(to, "\nvoid dielectric {name}\n0\n0\n5 {} {index:?} 0", Triple(*transmittance))
-        }
-        Material::Dielectric { inside, outside } => {
-            let (a, b) = (Triple(inside.transmittance), Triple(outside.transmittance));
-            writeln!(to, "\nvoid interface {name}\n0\n0\n8 {a} {:?} {b} {:?}", inside.index, outside.index)
-        }
-    }
-}
-
-fn write_gloss(to: &mut String, name: &str, gloss: &Gloss) -> fmt::Result {
-    let kind = match gloss.kind {
-        GlossKind::Plastic => "plastic",
-        GlossKind::Metal => "metal",
-        GlossKind::Trans => "trans",
-    };
-    let two = if gloss.orientation.is_some() { "2" } else { "" };
-    writeln!(to, "\nvoid {kind}{two} {name}")?;
-    match gloss.orientation {
-        Some(u) => writeln!(to, "4 {} .\n0", Triple(u))?,
-        None => writeln!(to, "0\n0")?,
-    }
-    let mut reals = vec![gloss.color.x, gloss.color.y, gloss.color.z, gloss.specular, gloss.roughness[0]];
-    reals.extend(gloss.orientation.map(|_| gloss.roughness[1]));
-    if gloss.kind == GlossKind::Trans {
-        reals.extend([gloss.transmission, gloss.transmitted_specular]);
-    }
-    write!(to, "{}", reals.len())?;
-    reals.iter().try_for_each(|x| write!(to, " {x:?}"))?;
-    writeln!(to)
 }
 
 fn write_shape(to: &mut String, modifier: &str, name: &str, shape: &Shape) -> fmt::Result {

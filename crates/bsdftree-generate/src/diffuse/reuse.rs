@@ -41,7 +41,8 @@ pub(crate) struct Reuse {
 }
 
 impl Reuse {
-    /// `None` if nothing is diffuse, or the layout is no rank-4 tree.
+    /// `None` if nothing is diffuse, the layout is no rank-4 tree, or what surfaces do varies over them: sites take it for the same
+    /// wherever the material is, and for the same both ways.
     pub fn new<S: Spectrum>(
         scene: &Scene<S>,
         device: &Device,
@@ -50,7 +51,7 @@ impl Reuse {
         tile: Option<&Tile>,
     ) -> Option<Reuse> {
         let Layout::Tree { .. } = options.layout else { return None };
-        let layout = model_layout(&options.layout)?;
+        let layout = model_layout(&options.layout).filter(|_| scene.is_plain())?;
         let sites = Sites::build(scene, device, aperture, tile, Fineness::default(), options.seed)?;
         Some(Reuse { sites, entrance: Entrance::new(device, aperture, tile), layout })
     }

@@ -1,14 +1,14 @@
 //! One walk through a device that tells what it meets.
 //!
 //! As [`Scene::follow`](crate::path::Scene::follow), but the diffuse lobes of what is met may be left out, and at each meeting
-//! the caller hears what arrived. Source of the roulette: see [`path`](crate::path).
+//! the caller hears what arrived. Invariant: all materials are plain ([`Scene::is_plain`](crate::path::Scene::is_plain)). Source of the roulette: see [`path`](crate::path).
 
 use glam::DVec3;
 
 use crate::bvh::{Hit, Ray};
 use crate::path::{Outcome, Scene};
 use crate::random::Random;
-use crate::scatter::{self, Spectrum, attenuation};
+use crate::scatter::{Spectrum, attenuation};
 use crate::tile::Tile;
 
 /// Luminous weight under which a walk has to survive the roulette.
@@ -54,7 +54,6 @@ pub(crate) fn walk<S: Spectrum>(
     let (bvh, materials) = scene.parts();
     let mut weight = S::WHITE;
     let mut reversal = 1.0;
-    let mut traveled = 0.0;
     for _ in 0..MAX_BOUNCES {
         let hit = bvh.closest(&ray);
         if let Some((again, t)) = tile.and_then(|tile| tile.wrapped(&ray, hit.map_or(f64::INFINITY, |h| h.t)))
@@ -62,13 +61,12 @@ pub(crate) fn walk<S: Spectrum>(
             if let Some(transmittance) = medium {
                 weight = weight * attenuation::<S>(transmittance, t);
             }
-            traveled += t;
             ray = again;
             continue;
         }
         let Some(hit) = hit else { return Outcome::Left(ray.direction, weight) };
         let material = &materials[hit.material as usize];
-        let before = material.medium(hit.front).or(medium);
+        let before = material.medium_plain(hit.front).or(medium);
         if let Some(transmittance) = before {
             weight = weight * attenuation::<S>(transmittance, hit.t);
         }
@@ -77,11 +75,9 @@ pub(crate) fn walk<S: Spectrum>(
             let albedo = material.diffuse_albedo(ray.direction.dot(hit.normal).abs().min(1.0));
             meet(Meeting { hit: &hit, facing, arrived: weight, reversal, albedo, medium });
         }
-        let meeting = scatter::Meeting::of(bvh, &ray, &hit, traveled);
-        traveled = meeting.traveled;
         let scatter = match lobes {
-            Lobes::Specular => material.scatter_specular(&meeting, random),
-            Lobes::All => material.scatter(&meeting, random),
+            Lobes::Specular => material.scatter_specular(hit.normal, ray.direction, random),
+            Lobes::All => material.scatter_plain(hit.normal, ray.direction, random),
         };
         let Some(scatter) = scatter else { return Outcome::Absorbed };
         if lobes == Lobes::Specular || !material.is_diffuse() {
@@ -96,7 +92,7 @@ pub(crate) fn walk<S: Spectrum>(
             }
             weight = weight / survival;
         }
-        if let Some(entered) = material.medium(hit.front != scatter.transmitted) {
+        if let Some(entered) = material.medium_plain(hit.front != scatter.transmitted) {
             medium = (entered != DVec3::ONE).then_some(entered);
         }
         ray = Ray { origin: hit.position, direction: scatter.direction, from: Some(hit.part) };

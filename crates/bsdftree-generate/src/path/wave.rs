@@ -162,7 +162,12 @@ mod tests {
             let built = Scene::<DVec3>::new(&device).unwrap();
             for simd in [Simd::Portable, Simd::Avx2] {
                 let Some(bvh) = built.bvh.clone().with_simd(simd) else { continue };
-                let scene = Scene { bvh, materials: built.materials.clone() };
+                let scene = Scene {
+                    bvh,
+                    materials: built.materials.clone(),
+                    is_plain: built.is_plain,
+                    faults: built.faults.clone(),
+                };
                 let departures = departures(&device);
                 let mut ends = vec![None; departures.len()];
                 scene.follow_all(departures.iter().cloned(), tile.as_ref(), |tag, outcome| {

@@ -1,4 +1,4 @@
-//! The diffuse lobes of a material apart from the others: what they take, and how a ray goes on without them.
+//! The diffuse lobes of a plain material apart from the others: what they take, and how a ray goes on without them.
 //!
 //! In and out as in [`scatter`](super). Invariant: the mean of [`PreparedMaterial::scatter_specular`] and the two albedos of
 //! [`PreparedMaterial::diffuse_albedo`] together are what [`PreparedMaterial::scatter`] does.
@@ -9,7 +9,7 @@ use super::frame::{cos_sin, mirrored, tangents};
 use super::gloss::{
     DIFFUSE_REFLECTION, DIFFUSE_TRANSMISSION, PreparedGloss, SPECULAR_REFLECTION, SPECULAR_TRANSMISSION,
 };
-use super::{Meeting, Prepared, PreparedMaterial, Scatter, Spectrum, facing, is_front};
+use super::{Prepared, PreparedMaterial, Scatter, Spectrum, facing, is_front};
 use crate::random::Random;
 
 impl<S: Spectrum> PreparedMaterial<S> {
@@ -28,12 +28,17 @@ impl<S: Spectrum> PreparedMaterial<S> {
         }
     }
 
-    /// As [`scatter`](Self::scatter) of the material without its diffuse lobes.
+    /// As [`scatter_plain`](Self::scatter_plain) of the material without its diffuse lobes.
     #[inline]
-    pub fn scatter_specular(&self, meeting: &Meeting, random: &mut Random) -> Option<Scatter<S>> {
+    pub(crate) fn scatter_specular(
+        &self,
+        normal: DVec3,
+        incoming: DVec3,
+        random: &mut Random,
+    ) -> Option<Scatter<S>> {
         match &self.0 {
-            Prepared::Gloss(gloss) => gloss.scatter_specular(meeting.normal, meeting.incoming, random),
-            _ => self.scatter(meeting, random),
+            Prepared::Gloss(gloss) => gloss.scatter_specular(normal, incoming, random),
+            _ => self.scatter_plain(normal, incoming, random),
         }
     }
 
@@ -127,8 +132,8 @@ mod tests {
     use bsdftree_device::material::{Gloss, GlossKind, Material, Medium};
 
     use super::*;
-    use crate::scatter::evaluate;
     use crate::scatter::test_support::{direction, polar};
+    use crate::scatter::{Meeting, evaluate};
 
     fn sheet(roughness: [f64; 2], specular: f64) -> Gloss {
         Gloss {
@@ -160,7 +165,7 @@ mod tests {
                     let (mut sum, mut squares) = (DVec3::ZERO, DVec3::ZERO);
                     for _ in 0..n {
                         let scatter = if specular {
-                            material.scatter_specular(&Meeting::new(DVec3::Z, incoming), &mut random)
+                            material.scatter_specular(DVec3::Z, incoming, &mut random)
                         } else {
                             material.scatter(&Meeting::new(DVec3::Z, incoming), &mut random)
                         };
@@ -192,8 +197,7 @@ mod tests {
         let mut random = Random::new(32, 0, 0);
         for _ in 0..1000 {
             let (normal, incoming) = (direction(&mut random), direction(&mut random));
-            let meeting = Meeting::new(normal, incoming);
-            let Some(scatter) = material.scatter_specular(&meeting, &mut random) else { continue };
+            let Some(scatter) = material.scatter_specular(normal, incoming, &mut random) else { continue };
             let (incident, exitant) = (-incoming, scatter.direction);
             let there = evaluate::<f64>(&gloss, incident, exitant, normal);
             let back = evaluate::<f64>(&gloss, exitant, incident, normal);

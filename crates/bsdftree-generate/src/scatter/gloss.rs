@@ -37,6 +37,7 @@ pub(super) struct PreparedGloss<S> {
     /// The lobe, if there is but one at all angles.
     only: Option<usize>,
     pub smooth: bool,
+    is_metal: bool,
     fresnel: bool,
     pub facets: Facets,
 }
@@ -52,7 +53,10 @@ pub(super) struct Lobe<S> {
 
 impl<S: Spectrum> Lobe<S> {
     fn new(rgb: DVec3) -> Self {
-        let color = S::from_rgb(rgb);
+        Lobe::of(S::from_rgb(rgb))
+    }
+
+    fn of(color: S) -> Self {
         let luminance = color.luminance();
         Lobe { color, luminance, tint: if luminance > 0.0 { color / luminance } else { S::BLACK } }
     }
@@ -78,6 +82,7 @@ impl<S: Spectrum> PreparedGloss<S> {
             lobes,
             only,
             smooth,
+            is_metal: gloss.kind == GlossKind::Metal,
             fresnel,
             facets: Facets {
                 roughness: gloss.roughness,
@@ -93,17 +98,27 @@ impl<S: Spectrum> PreparedGloss<S> {
             && (self.smooth || self.lobes[SPECULAR_TRANSMISSION].luminance == 0.0)
     }
 
+    /// The same with its colour multiplied by another.
+    pub fn tinted(&self, color: S) -> Self {
+        if color == S::WHITE {
+            return self.clone();
+        }
+        let mut tinted = self.clone();
+        for (k, lobe) in tinted.lobes.iter_mut().enumerate() {
+            if k != SPECULAR_REFLECTION || self.is_metal {
+                *lobe = Lobe::of(lobe.color * color);
+            }
+        }
+        tinted.total = tinted.lobes.iter().map(|lobe| lobe.luminance).sum();
+        // A lobe that was alone may be gone, and then nothing is left.
+        tinted
+    }
+
     /// One lobe, taken with a probability proportional to its luminance, so that all weights have the same one.
     #[inline]
     pub fn scatter(&self, normal: DVec3, incoming: DVec3, random: &mut Random) -> Option<Scatter<S>> {
         let (facing, cosine) = super::facing(normal, incoming);
-        let fresnel = self.fresnel_at(cosine);
-        let total = self.total * (1.0 - fresnel) + fresnel;
-        if total <= 0.0 {
-            return None;
-        }
-        let lobe = self.only.unwrap_or_else(|| self.choose(random.next_open() * total, 1.0 - fresnel));
-        let weight = self.lobes[lobe].tint * total;
+        let (lobe, weight) = self.lobe(cosine, random)?;
         match lobe {
             DIFFUSE_REFLECTION => Some(Scatter::reflected(cosine_direction(facing, random), weight)),
             DIFFUSE_TRANSMISSION => Some(Scatter::transmitted(cosine_direction(-facing, random), weight)),
@@ -111,16 +126,28 @@ impl<S: Spectrum> PreparedGloss<S> {
             SPECULAR_TRANSMISSION => {
                 Some(Scatter::transmitted(self.facets.spread(facing, incoming, random)?, weight))
             }
-            _ if self.smooth => {
-                let color = self.highlight(fresnel);
-                let weight = color * (total / color.luminance());
-                Some(Scatter::reflected(mirrored(incoming, facing, cosine), weight))
-            }
+            _ if self.smooth => Some(Scatter::reflected(mirrored(incoming, facing, cosine), weight)),
             _ => {
                 let (exitant, factor) = self.facets.glance(facing, incoming, cosine, random)?;
                 Some(Scatter::reflected(exitant, weight * factor))
             }
         }
+    }
+
+    /// A lobe for a ray at this cosine, and the weight of what it scatters.
+    #[inline(always)]
+    pub fn lobe(&self, cosine: f64, random: &mut Random) -> Option<(usize, S)> {
+        let fresnel = self.fresnel_at(cosine);
+        let total = self.total * (1.0 - fresnel) + fresnel;
+        if total <= 0.0 {
+            return None;
+        }
+        let lobe = self.only.unwrap_or_else(|| self.choose(random.next_open() * total, 1.0 - fresnel));
+        if lobe == SPECULAR_REFLECTION && self.smooth {
+            let color = self.highlight(fresnel);
+            return Some((lobe, color * (total / color.luminance())));
+        }
+        Some((lobe, self.lobes[lobe].tint * total))
     }
 
     /// The lobe at `place` ∈ (0, total) of the lobes laid end to end, scaled by `kept` but for the last.

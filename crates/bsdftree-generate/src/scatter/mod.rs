@@ -23,25 +23,31 @@
 mod dielectric;
 mod diffuse;
 mod facets;
+mod faults;
 mod frame;
 mod fresnel;
+mod function;
 mod glass;
 mod gloss;
 mod meeting;
+mod modified;
 mod shading;
 mod spectrum;
 #[cfg(test)]
 mod test_support;
 #[cfg(test)]
 mod tests;
+mod textured;
 
 use std::sync::Arc;
 
-use bsdftree_device::material::{Gloss, Material};
+use bsdftree_device::material::{Gloss, Material, Modifier};
 use glam::DVec3;
 
 pub use dielectric::attenuation;
 pub use diffuse::lambertian_direction;
+pub use faults::Faults;
+use faults::Watch;
 pub use meeting::{Local, Meeting};
 use shading::{Shade, Shading};
 pub use spectrum::Spectrum;
@@ -88,8 +94,20 @@ enum Prepared<S> {
 }
 
 impl<S: Spectrum> PreparedMaterial<S> {
-    /// Prepares `material`, whose parameters are legal (the reader's business).
+    /// Prepares `material`, whose parameters are legal (the reader's business). What its functions fail at is not told: see
+    /// [`prepare`](Self::prepare).
     pub fn new(material: &Material) -> Self {
+        Self::prepare(material, "", &Arc::default())
+    }
+
+    /// Prepares the material of this name, which tells what goes wrong to `faults`.
+    pub fn prepare(material: &Material, name: &str, faults: &Arc<Faults>) -> Self {
+        Self::watched(material, &Watch::new(name, faults))
+    }
+
+    fn watched(material: &Material, watch: &Watch) -> Self {
+        let watch = || watch.clone();
+        let inner = |material: &Material| Self::watched(material, &watch());
         PreparedMaterial(match material {
             Material::Void => Prepared::Void,
             Material::Black => Prepared::Black,
@@ -101,14 +119,51 @@ impl<S: Spectrum> PreparedMaterial<S> {
                 Prepared::Dielectric(dielectric::Interface { inside: *inside, outside: *outside })
             }
             Material::Mirror { reflectance } => Prepared::Mirror(S::from_rgb(*reflectance)),
+            Material::Oriented { gloss, orientation } => {
+                Prepared::Other(Arc::new(modified::Oriented::new(gloss, orientation, &watch())))
+            }
+            Material::Function(function) => {
+                let function = function.clone();
+                Prepared::Other(Arc::new(function::FunctionShading { function, watch: watch() }))
+            }
+            Material::Brtd(function) => {
+                let function = function.clone();
+                Prepared::Other(Arc::new(function::BrtdShading { function, watch: watch() }))
+            }
+            Material::Mixture { amount, foreground, background } => {
+                let (amount, sides) = (amount.clone(), [inner(foreground), inner(background)]);
+                Prepared::Other(Arc::new(modified::Mixture { amount, sides, watch: watch() }))
+            }
+            Material::Modified { modifiers, material, unit } => {
+                let (modifiers, material, unit) = (modifiers.clone(), inner(material), *unit);
+                Prepared::Other(Arc::new(modified::Modified { modifiers, material, unit, watch: watch() }))
+            }
         })
+    }
+
+    /// Whether it is one of the constant materials, for which [`scatter_plain`](Self::scatter_plain) is enough.
+    pub(crate) fn is_plain(&self) -> bool {
+        !matches!(self.0, Prepared::Other(_))
     }
 
     /// Scatters a ray that meets a surface, from either side. `None` if it is absorbed. One lobe is taken at random, by
     /// luminous weight.
     #[inline]
     pub fn scatter(&self, meeting: &Meeting, random: &mut Random) -> Option<Scatter<S>> {
-        let Meeting { normal, incoming, .. } = *meeting;
+        if self.is_plain() && meeting.local.perturbation == DVec3::ZERO {
+            return self.scatter_plain(meeting.normal, meeting.incoming, random);
+        }
+        self.scatter_shaded(meeting, &Shade::of(meeting), random)
+    }
+
+    /// [`scatter`](Self::scatter) of a plain material at a surface that is no smooth mesh.
+    #[inline(always)]
+    pub(crate) fn scatter_plain(
+        &self,
+        normal: DVec3,
+        incoming: DVec3,
+        random: &mut Random,
+    ) -> Option<Scatter<S>> {
         match &self.0 {
             Prepared::Gloss(gloss) => gloss.scatter(normal, incoming, random),
             Prepared::Glass(pane) => pane.scatter(normal, incoming, random),
@@ -119,7 +174,7 @@ impl<S: Spectrum> PreparedMaterial<S> {
                 }),
             Prepared::Void => Some(Scatter::transmitted(incoming, S::WHITE)),
             Prepared::Black => None,
-            Prepared::Other(shading) => shading.scatter(meeting, &Shade::of(meeting), random),
+            Prepared::Other(_) => unreachable!("it is not plain"),
         }
     }
 
@@ -128,7 +183,16 @@ impl<S: Spectrum> PreparedMaterial<S> {
     /// A tracer multiplies by [`attenuation`] over each segment. As in Radiance, the medium is that on the side of the
     /// surface a segment starts from or ends at; between surfaces that bound no media, it stays what it was.
     #[inline]
-    pub fn medium(&self, front: bool) -> Option<DVec3> {
+    pub fn medium(&self, meeting: &Meeting, front: bool) -> Option<DVec3> {
+        match &self.0 {
+            Prepared::Other(shading) => shading.medium(meeting, &Shade::of(meeting), front),
+            _ => self.medium_plain(front),
+        }
+    }
+
+    /// [`medium`](Self::medium) of a plain material.
+    #[inline(always)]
+    pub(crate) fn medium_plain(&self, front: bool) -> Option<DVec3> {
         match &self.0 {
             Prepared::Dielectric(interface) => Some(interface.medium(front).transmittance),
             _ => None,
@@ -153,17 +217,29 @@ pub fn is_neutral(material: &Material) -> bool {
             is_grey(inside.transmittance) && is_grey(outside.transmittance)
         }
         Material::Mirror { reflectance } => is_grey(*reflectance),
+        Material::Oriented { gloss, .. } => is_grey(gloss.color),
+        Material::Function(function) => is_grey(function.color),
+        Material::Brtd(function) => function.is_neutral(),
+        Material::Mixture { foreground, background, .. } => is_neutral(foreground) && is_neutral(background),
+        Material::Modified { modifiers, material, .. } => {
+            modifiers.iter().all(Modifier::is_neutral) && is_neutral(material)
+        }
     }
 }
 
 /// Whether light travels through `material` the other way with the same strength.
 ///
 /// Not so: smooth surfaces whose diffuse part loses what Fresnel's law mirrors, which depends on the incident angle alone, and
-/// rough transmission.
+/// rough transmission. Of whatever has functions or data it is not known, and so denied.
 pub fn is_reciprocal(material: &Material) -> bool {
     match material {
         Material::Gloss(gloss) => gloss::PreparedGloss::<f64>::new(gloss).is_reciprocal(),
-        _ => true,
+        Material::Void
+        | Material::Black
+        | Material::Glass { .. }
+        | Material::Dielectric { .. }
+        | Material::Mirror { .. } => true,
+        _ => false,
     }
 }
 

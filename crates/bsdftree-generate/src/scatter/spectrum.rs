@@ -1,5 +1,6 @@
 //! What a path carries: RGB, or its luminance alone.
 
+use std::fmt::Debug;
 use std::ops::{Add, Div, Mul};
 
 use bsdftree::color::xyz_from_rgb;
@@ -11,9 +12,11 @@ use glam::DVec3;
 /// coloured: use it where [`is_neutral`](super::is_neutral) holds for all materials, or where that is accepted.
 pub trait Spectrum:
     Copy
+    + Debug
     + PartialEq
     + Send
     + Sync
+    + 'static
     + Add<Output = Self>
     + Mul<Output = Self>
     + Mul<f64, Output = Self>

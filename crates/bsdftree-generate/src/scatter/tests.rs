@@ -421,8 +421,8 @@ fn mirrors_void_and_black_do_what_their_names_say() {
 fn media_are_told_by_the_side_of_the_surface() {
     let inside = Medium { transmittance: DVec3::new(0.1, 0.2, 0.3), index: 1.5 };
     let block = PreparedMaterial::<f64>::new(&Material::Dielectric { inside, outside: Medium::VACUUM });
-    assert_eq!([true, false].map(|f| block.medium(f)), [Some(DVec3::ONE), Some(inside.transmittance)]);
-    assert_eq!(glossy(PAINT).medium(true), None);
+    assert_eq!([true, false].map(|f| block.medium_plain(f)), [Some(DVec3::ONE), Some(inside.transmittance)]);
+    assert_eq!(glossy(PAINT).medium_plain(true), None);
 }
 
 #[test]
