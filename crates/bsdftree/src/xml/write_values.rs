@@ -6,32 +6,86 @@ use super::matrix_text::transposed;
 use crate::klems::Matrix;
 use crate::tree::{Arena, Content, Slot, Tree};
 
+/// Text that is collected and written in large pieces.
+struct Text<'a, W> {
+    collected: Vec<u8>,
+    out: &'a mut W,
+}
+
+impl<'a, W: Write> Text<'a, W> {
+    /// Written when this long \[byte\].
+    const PIECE: usize = 1 << 16;
+
+    fn new(out: &'a mut W) -> Text<'a, W> {
+        Text { collected: Vec::with_capacity(2 * Self::PIECE), out }
+    }
+
+    fn line(&mut self, indent: usize, text: &[u8]) {
+        self.indent(indent);
+        self.collected.extend_from_slice(text);
+        self.collected.push(b'\n');
+    }
+
+    fn indent(&mut self, spaces: usize) {
+        const SPACES: [u8; 16] = [b' '; 16];
+        self.collected.extend_from_slice(&SPACES[..spaces.min(SPACES.len())]);
+    }
+
+    #[inline]
+    fn number(&mut self, value: f32) {
+        let mut buffer = zmij::Buffer::new();
+        let digits = buffer.format_finite(value).as_bytes();
+        self.collected.push(b' ');
+        self.collected.extend_from_slice(digits.strip_suffix(b".0").unwrap_or(digits));
+    }
+
+    /// Writes what was collected, if that is much.
+    fn pass_on(&mut self) -> io::Result<()> {
+        match self.collected.len() < Self::PIECE {
+            true => Ok(()),
+            false => self.finish(),
+        }
+    }
+
+    fn finish(&mut self) -> io::Result<()> {
+        self.out.write_all(&self.collected)?;
+        self.collected.clear();
+        Ok(())
+    }
+}
+
 /// A tree: a node whose children are all leaves as a grid on one line, others as indented branches.
 pub(super) fn write_tree(tree: &Tree, out: &mut impl Write) -> io::Result<()> {
-    write_slot(tree.arena(), tree.arena().root(), 0, out)
+    let mut text = Text::new(out);
+    write_slot(tree.arena(), tree.arena().root(), 0, &mut text)?;
+    text.finish()
 }
 
 /// No deeper than a tree is: 15.
-fn write_slot(arena: &Arena, slot: Slot, depth: usize, out: &mut impl Write) -> io::Result<()> {
-    write!(out, "{:depth$}{{", "")?;
+fn write_slot(arena: &Arena, slot: Slot, depth: usize, text: &mut Text<'_, impl Write>) -> io::Result<()> {
+    let mut grid = [0.0; 16];
     match slot.content() {
-        Content::Leaf(value) => write_number(value, out)?,
-        Content::Node(node) => {
-            let mut grid = [0.0; 16];
-            if let Some(grid) = as_grid(arena.children(node), &mut grid) {
-                for &value in grid {
-                    write_number(value, out)?;
-                }
-            } else {
-                writeln!(out)?;
+        Content::Leaf(value) => write_grid(&[value], depth, text),
+        Content::Node(node) => match as_grid(arena.children(node), &mut grid) {
+            Some(grid) => write_grid(grid, depth, text),
+            None => {
+                text.line(depth, b"{");
                 for &child in arena.children(node) {
-                    write_slot(arena, child, depth + 1, out)?;
+                    write_slot(arena, child, depth + 1, text)?;
                 }
-                return writeln!(out, "{:depth$}}}", "");
+                text.line(depth, b"}");
+                Ok(())
             }
-        }
+        },
     }
-    writeln!(out, " }}")
+}
+
+fn write_grid(grid: &[f32], depth: usize, text: &mut Text<'_, impl Write>) -> io::Result<()> {
+    text.indent(depth);
+    text.collected.push(b'{');
+    grid.iter().for_each(|&value| text.number(value));
+    text.collected.extend_from_slice(b" }\n");
+    text.pass_on()
 }
 
 /// Leaves in grid order, dimension 0 slowest: the child's number with its bits reversed.
@@ -47,18 +101,11 @@ fn as_grid<'a>(children: &[Slot], grid: &'a mut [f32; 16]) -> Option<&'a [f32]> 
 /// A matrix: a line for each exitant patch, as `Columns` has it.
 pub(super) fn write_matrix(matrix: &Matrix, out: &mut impl Write) -> io::Result<()> {
     let n_incident = matrix.incident().n_patches();
+    let mut text = Text::new(out);
     for line in transposed(matrix.values(), matrix.exitant().n_patches()).chunks_exact(n_incident) {
-        for &value in line {
-            write_number(value, out)?;
-        }
-        writeln!(out)?;
+        line.iter().for_each(|&value| text.number(value));
+        text.collected.push(b'\n');
+        text.pass_on()?;
     }
-    Ok(())
-}
-
-fn write_number(value: f32, out: &mut impl Write) -> io::Result<()> {
-    let mut buffer = zmij::Buffer::new();
-    let digits = buffer.format_finite(value);
-    out.write_all(b" ")?;
-    out.write_all(digits.strip_suffix(".0").unwrap_or(digits).as_bytes())
+    text.finish()
 }
