@@ -7,6 +7,7 @@
 use super::builtin::Builtin;
 use super::error::{CalError, CalProblem};
 use super::inputs::Uses;
+use super::library::Arguments;
 use super::program::{Entry, Named, Op, PassedName, Program};
 use super::table::Table;
 use super::tree::{Body, Callee, Kind, NodeId, Operator};
@@ -19,20 +20,20 @@ use std::sync::Arc;
 pub(super) struct Compiler<'t> {
     table: &'t Table,
     max_ops: usize,
-    program: Program,
+    pub(super) program: Program,
     variables: BTreeMap<u32, u32>,
     functions: BTreeMap<u32, u32>,
     names: BTreeMap<u32, u32>,
     /// Numbers of arguments with which parameters are called.
-    called_with: BTreeSet<u16>,
+    pub(super) called_with: BTreeSet<u16>,
     queue: VecDeque<Job>,
     /// Which part of the program uses what; parts are entries, variables, functions and passed names.
-    dependencies: Dependencies<Part>,
-    part: Part,
+    pub(super) dependencies: Dependencies<Part>,
+    pub(super) part: Part,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Part {
+pub(super) enum Part {
     Entry(u32),
     Variable(u32),
     Function(u32),
@@ -46,23 +47,6 @@ enum Job {
     NameValue(u32, u32, Place),
     /// A delayed argument of the part, and the operation that passes it.
     Lazy(Part, Arc<Body>, NodeId, usize),
-}
-
-/// The arguments of a library function.
-#[derive(Clone, Copy)]
-enum Arguments<'b> {
-    Nodes(&'b Arc<Body>, &'b [NodeId]),
-    /// As many parameters of the present function.
-    Parameters(u16),
-}
-
-impl Arguments<'_> {
-    fn len(self) -> usize {
-        match self {
-            Arguments::Nodes(_, nodes) => nodes.len(),
-            Arguments::Parameters(n) => n.into(),
-        }
-    }
 }
 
 /// Arguments of at most so many nodes, without anything that could fail, are computed at once rather than delayed.
@@ -158,7 +142,7 @@ impl<'t> Compiler<'t> {
         self.op(Op::Return);
     }
 
-    fn node(&mut self, body: &Arc<Body>, id: NodeId) {
+    pub(super) fn node(&mut self, body: &Arc<Body>, id: NodeId) {
         // Long sums lean to the left: their depth must not become recursion.
         let mut leftmost = id;
         let mut right = vec![];
@@ -253,68 +237,6 @@ impl<'t> Compiler<'t> {
         }
     }
 
-    fn library_call(&mut self, builtin: Builtin, arguments: Arguments, place: &Place) {
-        let n = arguments.len();
-        match builtin {
-            Builtin::If => {
-                self.argument(builtin, arguments, 0, place);
-                let branch = self.reserve();
-                self.argument(builtin, arguments, 1, place);
-                let jump = self.reserve();
-                self.program.code[branch] = Op::Branch(self.here());
-                self.argument(builtin, arguments, 2, place);
-                self.program.code[jump] = Op::Jump(self.here());
-            }
-            Builtin::Select => {
-                self.argument(builtin, arguments, 0, place);
-                let select = self.reserve();
-                let table: Vec<usize> = (1..n).map(|_| self.reserve()).collect();
-                let mut ends = vec![];
-                for (at, &jump) in table.iter().enumerate() {
-                    self.program.code[jump] = Op::Jump(self.here());
-                    self.argument(builtin, arguments, at + 1, place);
-                    ends.push(self.reserve());
-                }
-                let end = self.here();
-                self.program.code[select] = Op::Select { n: (n - 1) as u16, end };
-                ends.into_iter().for_each(|jump| self.program.code[jump] = Op::Jump(end));
-            }
-            Builtin::Max | Builtin::Min => {
-                self.argument(builtin, arguments, 0, place);
-                for at in (1..n).rev() {
-                    self.argument(builtin, arguments, at, place);
-                    self.op(if builtin == Builtin::Max { Op::Maximum } else { Op::Minimum });
-                }
-            }
-            _ => {
-                (0..builtin.n_needed()).for_each(|at| self.argument(builtin, arguments, at, place));
-                self.placed(place.clone());
-                if builtin == Builtin::Arg {
-                    self.dependencies.uses(self.part, Uses::of_arguments());
-                    self.op(Op::RealArgument);
-                } else {
-                    self.op(Op::Library(builtin));
-                }
-            }
-        }
-    }
-
-    /// Argument `at` of a library function; code that fails if it was not given.
-    fn argument(&mut self, builtin: Builtin, arguments: Arguments, at: usize, place: &Place) {
-        match arguments {
-            _ if at >= arguments.len() => {
-                let problem = CalProblem::TooFewArguments {
-                    function: builtin.name().into(),
-                    needed: at + 1,
-                    given: arguments.len(),
-                };
-                self.fail(place, problem);
-            }
-            Arguments::Nodes(body, nodes) => self.node(body, nodes[at]),
-            Arguments::Parameters(_) => self.op(Op::Parameter(at as u16)),
-        }
-    }
-
     fn variable(&mut self, id: u32, place: &Place) {
         let table = self.table;
         let entry = table.entry(id);
@@ -386,31 +308,7 @@ impl<'t> Compiler<'t> {
         name
     }
 
-    /// Makes library functions callable for which names were passed.
-    fn library_functions_for_names(&mut self) {
-        for name in 0..self.program.names.len() {
-            let PassedName { function, builtin, undefined, .. } = &self.program.names[name];
-            let (None, Some(builtin), place) = (*function, *builtin, undefined.at.clone()) else { continue };
-            for n in self.called_with.clone() {
-                let function = self.library_function(builtin, n, &place);
-                self.dependencies.needs(Part::Name(name as u32), Part::Function(function));
-                self.program.names[name].by_count.push((n, function));
-            }
-        }
-    }
-
-    /// A function of `n` parameters that calls a library function with them.
-    fn library_function(&mut self, builtin: Builtin, n: u16, place: &Place) -> u32 {
-        let function = self.program.functions.len() as u32;
-        let pc = self.here();
-        self.program.functions.push(Named { pc, name: builtin.name().into(), at: place.clone() });
-        self.part = Part::Function(function);
-        self.library_call(builtin, Arguments::Parameters(n), place);
-        self.op(Op::Return);
-        function
-    }
-
-    fn undefined_function(&self, id: u32) -> CalProblem {
+    pub(super) fn undefined_function(&self, id: u32) -> CalProblem {
         let entry = self.table.entry(id);
         let advice = if entry.definition.is_some() {
             "it is a variable: use it without arguments"
@@ -420,26 +318,26 @@ impl<'t> Compiler<'t> {
         CalProblem::Undefined { kind: "function", name: entry.name.to_string(), advice: advice.into() }
     }
 
-    fn fail(&mut self, place: &Place, problem: CalProblem) {
+    pub(super) fn fail(&mut self, place: &Place, problem: CalProblem) {
         self.op(Op::Fail(self.program.problems.len() as u32));
         self.program.problems.push(CalError::new(place, problem));
     }
 
     /// Notes where the next operation stands, for its errors.
-    fn placed(&mut self, place: Place) {
+    pub(super) fn placed(&mut self, place: Place) {
         self.program.places.push((self.here(), place));
     }
 
-    fn here(&self) -> u32 {
+    pub(super) fn here(&self) -> u32 {
         self.program.code.len() as u32
     }
 
-    fn reserve(&mut self) -> usize {
+    pub(super) fn reserve(&mut self) -> usize {
         self.op(Op::Jump(0));
         self.program.code.len() - 1
     }
 
-    fn op(&mut self, op: Op) {
+    pub(super) fn op(&mut self, op: Op) {
         self.program.code.push(op);
     }
 }

@@ -2,8 +2,9 @@
 
 use super::error::CalError;
 use super::inputs::{Inputs, Uses};
-use super::machine::{self, Limits, Scratch};
+use super::machine;
 use super::program::{Op, Program};
+use super::scratch::Scratch;
 use std::sync::Arc;
 
 /// A formula, ready to be evaluated by any number of threads.
@@ -151,7 +152,7 @@ impl Function {
         assert_eq!(arguments.len(), self.n_arguments, "as many arguments as the function was compiled for");
         scratch.begin(&self.program);
         arguments.iter().for_each(|&value| scratch.pass(value));
-        machine::run(&self.program, self.program.entries[0].pc, inputs, scratch, Limits::default())
+        machine::run(&self.program, self.program.entries[0].pc, inputs, scratch)
     }
 
     /// What the value can depend on beside the arguments.
@@ -174,7 +175,7 @@ fn entry_value<I: Inputs + ?Sized>(
     let entry = &program.entries[at];
     match entry.constant {
         Some(value) => Ok(value),
-        None => machine::run(program, entry.pc, inputs, scratch, Limits::default()),
+        None => machine::run(program, entry.pc, inputs, scratch),
     }
 }
 
@@ -215,9 +216,9 @@ fn with_constant_variables(mut program: Program, steps: &mut usize) -> Program {
 }
 
 fn constant_value(program: &Program, pc: u32, steps: &mut usize) -> Option<f64> {
-    let mut scratch = Scratch::default();
+    let mut scratch = Scratch::with_max_steps(*steps);
     scratch.begin(program);
-    let value = machine::run(program, pc, &(), &mut scratch, Limits { steps: *steps, ..Limits::default() });
+    let value = machine::run(program, pc, &(), &mut scratch);
     *steps = steps.saturating_sub(scratch.steps());
     value.ok().filter(|_| scratch.faults() == 0)
 }

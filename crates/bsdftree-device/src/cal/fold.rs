@@ -6,7 +6,8 @@
 //! the value is computed when it is needed.
 
 use super::compile::Compiler;
-use super::machine::{self, Limits, Scratch};
+use super::machine;
+use super::scratch::Scratch;
 use super::table::Table;
 use super::tree::{Body, Callee, Kind, Node, NodeId};
 use std::sync::Arc;
@@ -82,10 +83,9 @@ fn evaluated(table: &Table, body: &Body, budget: &mut Budget) -> Option<f64> {
     if program.is_cut || !entry.uses.is_empty() {
         return None;
     }
-    let mut scratch = Scratch::default();
+    let mut scratch = Scratch::with_max_steps(max_ops);
     scratch.begin(&program);
-    let limits = Limits { steps: budget.0.min(MAX_COST), ..Limits::default() };
-    let value = machine::run(&program, entry.pc, &(), &mut scratch, limits);
+    let value = machine::run(&program, entry.pc, &(), &mut scratch);
     budget.0 = budget.0.saturating_sub(scratch.steps());
     value.ok().filter(|value| value.is_finite() && scratch.faults() == 0)
 }

@@ -12,104 +12,8 @@ use super::builtin::{self, Builtin};
 use super::error::{CalError, CalProblem};
 use super::inputs::Inputs;
 use super::program::{Named, Op, Program};
+use super::scratch::{Argument, Limits, Record, Scratch, Variable, What};
 use crate::error::Place;
-
-/// How long and how deep an evaluation may become.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Limits {
-    pub steps: usize,
-    pub depth: usize,
-    /// Values and arguments that wait at the same time.
-    pub waiting: usize,
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Limits { steps: 10_000_000, depth: 50_000, waiting: 1_000_000 }
-    }
-}
-
-/// Memory of an evaluation, to be used again by the next one, and what that found.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    values: Vec<f64>,
-    arguments: Vec<Argument>,
-    records: Vec<Record>,
-    variables: Vec<Variable>,
-    steps: usize,
-    faults: u32,
-}
-
-impl Scratch {
-    /// How many results of the last evaluation were not finite and became 0: divisions by 0, roots of negative numbers
-    /// and the like. Radiance leaves out a pattern, texture or material whose function had any.
-    pub fn faults(&self) -> u32 {
-        self.faults
-    }
-
-    /// Operations of the last evaluation.
-    pub(super) fn steps(&self) -> usize {
-        self.steps
-    }
-
-    /// Passes a number to the function that the next run calls.
-    pub(super) fn pass(&mut self, value: f64) {
-        self.arguments.push(Argument::Value(value));
-    }
-
-    /// Forgets what was before.
-    pub(super) fn begin(&mut self, program: &Program) {
-        self.values.clear();
-        self.arguments.clear();
-        self.records.clear();
-        self.variables.clear();
-        self.variables.resize(program.variables.len(), Variable::Unknown);
-        self.faults = 0;
-        self.steps = 0;
-    }
-}
-
-/// What was passed for a parameter.
-#[derive(Clone, Copy, Debug)]
-enum Argument {
-    Value(f64),
-    /// Code and the record of the call whose parameters it refers to.
-    Lazy(u32, u32),
-    /// A name, which may be asked for its value or be called.
-    Name(u32),
-    /// The argument of a caller, not computed yet.
-    Same(u32),
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Variable {
-    Unknown,
-    /// Being computed.
-    Pending,
-    Known(f64),
-}
-
-/// What goes on when the present code returns.
-#[derive(Clone, Copy, Debug)]
-struct Record {
-    what: What,
-    /// Where to go on.
-    pc: u32,
-    /// The record of the call whose parameters count there.
-    outer: u32,
-    /// The first argument and the number of arguments of a call.
-    base: u32,
-    n: u16,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum What {
-    Call(u32),
-    /// Keeps the value for the argument at this position.
-    Lazy(u32),
-    Name,
-    Variable(u32),
-}
 
 /// No call around: outside of functions.
 const NOWHERE: u32 = u32::MAX;
@@ -121,8 +25,8 @@ pub(super) fn run<I: Inputs + ?Sized>(
     pc: u32,
     inputs: &I,
     scratch: &mut Scratch,
-    limits: Limits,
 ) -> Result<f64, CalError> {
+    let limits = scratch.limits();
     scratch.values.clear();
     scratch.records.clear();
     Machine { program, inputs, scratch, limits, pc, here: NOWHERE, base: 0, n: 0 }.run()

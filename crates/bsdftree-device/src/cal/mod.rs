@@ -39,14 +39,15 @@
 //!
 //! # Deviations
 //! * After a fault the value may differ: in Radiance every library function around it is 0 as well.
+//! * `NxP`, `CrP` and `DxA` and their like are known everywhere; Radiance knows them in the materials that set them.
 //! * A `:` definition that depends on the ray is computed anew for each ray; Radiance keeps the value of the first one.
 //! * `x / 49` is divided, where Radiance multiplies by a rounded 1/49, so that floor(49/49) is 1 here and 0 there.
 //! * A variable that is defined by itself is an error; Radiance takes a value from before.
 //! * Names longer than 127 characters are an error; Radiance cuts them off. So are numbers beyond 1.8e308 and `$0`.
 //! * `fprism_val`, a ray tracer for one kind of prism inside Radiance's library, is not there.
 //!
-//! Modules in the order in which data flows: `scan`, `tree`, `table`, `parse` (with `fold`), `compile` (with `uses`),
-//! `program`, `machine` (with `builtin`, `noise`), `expression`, `context`.
+//! Modules in the order in which data flows: `scan`, `tree`, `table`, `parse` (with `fold`), `compile` (with `library`,
+//! `uses`), `program`, `machine` (with `scratch`, `builtin`, `noise`), `expression`, `context`.
 
 mod builtin;
 mod compile;
@@ -55,12 +56,14 @@ mod error;
 mod expression;
 mod fold;
 mod inputs;
+mod library;
 mod machine;
 mod noise;
 mod parse;
 mod program;
 pub mod rayinit;
 mod scan;
+mod scratch;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -71,4 +74,4 @@ pub use context::Context;
 pub use error::{CalError, CalProblem};
 pub use expression::{Expression, Expressions, Function};
 pub use inputs::{Inputs, Uses};
-pub use machine::Scratch;
+pub use scratch::Scratch;

@@ -9,8 +9,11 @@
 use std::array::from_fn;
 
 /// A number in [0, 1) that looks random, the same for the same `x`.
+#[expect(
+    clippy::approx_constant,
+    reason = "e and π/4 with as many digits as in Radiance, because all of them count"
+)]
 pub(super) fn rand(x: f64) -> f64 {
-    // 2.718… and 0.785… are e and π/4.
     let stretched = x * (1.0 / (1.0 + x * x) + 2.71828182845904);
     let scattered = 1e5 / (stretched + (0.785398163397447 - stretched.floor()));
     scattered - scattered.floor()

@@ -3,7 +3,8 @@
 //! In: CIE 1931 (x, y), a spectrum, a temperature or a mixture. Out: a [`Color`], and red, green and blue of it at a
 //! luminance. MGF's colours have no brightness of their own: what uses them gives it. Source: MGF entities `c`, `cxy`, `cspec`, `cct`,
 //! `cmix`; Radiance's primaries. What is outside of the triangle of the primaries moves towards grey of the same luminance, as in
-//! Radiance. Deviation from mgf2rad: chromaticities that round to grey with four digits, as rad2mgf writes them, are grey.
+//! Radiance. Deviation from mgf2rad: 0.3333 and the like, as
+//! rad2mgf writes a third, are grey exactly.
 
 use bsdftree::color::rgb_from_xyz;
 use glam::DVec3;
@@ -17,6 +18,10 @@ pub(super) struct Color {
     y: f64,
 }
 
+/// A third in four digits or more, as rad2mgf and others write it.
+const WRITTEN_THIRDS: [f64; 7] =
+    [0.3333, 0.33333, 0.333333, 0.3333333, 0.33333333, 0.333333333, 0.3333333333];
+
 impl Default for Color {
     fn default() -> Self {
         Color::NEUTRAL
@@ -29,8 +34,8 @@ impl Color {
 
     /// From CIE 1931 chromaticities; `None` unless x ≥ 0, y > 0 and x + y ≤ 1.
     pub(super) fn of_xy(x: f64, y: f64) -> Option<Color> {
-        const FOUR_DIGITS: f64 = 5e-5;
-        let is_neutral = (x - 1.0 / 3.0).abs() < FOUR_DIGITS && (y - 1.0 / 3.0).abs() < FOUR_DIGITS;
+        let is_third = |c: f64| (c - 1.0 / 3.0).abs() < 1e-12 || WRITTEN_THIRDS.contains(&c);
+        let is_neutral = is_third(x) && is_third(y);
         if is_neutral {
             return Some(Color::NEUTRAL);
         }
@@ -89,9 +94,9 @@ impl Color {
         near(self.x) && near(self.y)
     }
 
-    /// Whether two pass for the same, by mgf2rad's measure.
-    pub(super) fn is_like(self, other: Color) -> bool {
-        (self.x - other.x).abs() + (self.y - other.y).abs() <= 0.015
+    /// Whether two are the same but for the last of the six digits that rad2mgf writes.
+    pub(super) fn is_same(self, other: Color) -> bool {
+        (self.x - other.x).abs() <= 1.5e-6 && (self.y - other.y).abs() <= 1.5e-6
     }
 
     /// Linear RGB in Radiance's primaries, none below 0.

@@ -6,13 +6,14 @@
 //!   too much), `dielectric` what leaves `ts` after one Fresnel reflection.
 //! * What has a refractive index, is smooth, not diffuse, and reflects as glass of that index would, is glass, however dark.
 //! * All that is transmitted is kept (mgf2rad drops `td` + `ts` of up to 0.01), and `trans` without diffuse reflection is as bright as said.
-//! * White highlights over a coloured diffuse part make a `plastic`, however strong; mgf2rad mixes the colours from `rs` 0.1 on.
+//! * White highlights over a coloured diffuse part make a `plastic`, however strong, and highlights of the same colour a `metal`,
+//!   however weak; mgf2rad goes by their strength.
 //! * `ts 1 0` alone is nothing at all, as rad2mgf means it; what neither reflects nor transmits is black.
 
 use bsdftree::color::xyz_from_rgb;
 use glam::DVec3;
 
-use super::color::towards_grey;
+use super::color::{Color, towards_grey};
 use super::finish::{Diffuse, Finish, Specular};
 use crate::material::{Gloss, GlossKind, Material, Medium, transmissivity_from_transmittance};
 
@@ -75,11 +76,15 @@ pub(super) fn pane_reflectance(r: f64, t: f64) -> f64 {
     r + (1.0 - r).powi(2) * r * t * t / (1.0 - (r * t).powi(2))
 }
 
-/// Highlights that are weak and white, weak beside the diffuse part, or white over a colour.
+/// Plastic says exactly what has white highlights, metal what has highlights of its own colour; else, and if both do, it goes by their
+/// strength.
 fn is_plastic(rd: Diffuse, rs: Specular) -> bool {
-    let white = rs.color.is_grey();
-    let weak = rs.amount < 0.1 && (rs.amount < 0.1 * rd.amount || white);
-    weak || (white && rd.amount > 0.0 && !rd.color.is_like(rs.color))
+    let white = rs.color == Color::NEUTRAL;
+    let own = rd.amount == 0.0 || rd.color.is_same(rs.color);
+    if white != own {
+        return white;
+    }
+    rs.amount < 0.1 && (rs.amount < 0.1 * rd.amount || rs.color.is_grey())
 }
 
 struct Describer<'a> {
@@ -99,12 +104,24 @@ impl Describer<'_> {
             && td.amount <= NOT_DIFFUSE
             && rs.roughness <= SMOOTH
             && ts.roughness <= SMOOTH;
-        let reflectance = || match self.finish.one_sided {
-            true => fresnel(index),
-            false => pane_reflectance(fresnel(index), transmissivity_from_transmittance(ts.amount, index)),
-        };
         let mgf2rad = index > LEAST_INDEX && ts.amount > 0.25 && rs.amount <= 0.125;
-        plain && (mgf2rad || (rs.amount - reflectance()).abs() <= 0.01)
+        plain && (mgf2rad || self.reflects_as_glass())
+    }
+
+    /// Whether `rs` is what a boundary, or a pane that transmits `ts`, reflects.
+    fn reflects_as_glass(&self) -> bool {
+        const ROUNDED: f64 = 0.01;
+        let Finish { rs, ts, index, .. } = *self.finish;
+        let r = fresnel(index);
+        let near = |least: f64, most: f64| (least - ROUNDED..=most + ROUNDED).contains(&rs.amount);
+        if self.finish.one_sided {
+            return near(r, r);
+        }
+        let transmissivity = ts.color.rgb(ts.amount).map(|t| transmissivity_from_transmittance(t, index));
+        let luminance = |of: &dyn Fn(f64) -> f64| xyz_from_rgb(transmissivity.map(of).to_array())[1];
+        // rad2mgf forgets a square, so panes that absorb reflect more there.
+        let rad2mgf = |t: f64| r * (1.0 + (1.0 - 2.0 * r) * t) / (1.0 - (r * t).powi(2));
+        near(luminance(&|t| pane_reflectance(r, t)), luminance(&rad2mgf))
     }
 
     fn pane(&mut self, transmittance: DVec3) -> Material {
@@ -170,7 +187,7 @@ impl Describer<'_> {
     fn metal(&mut self) -> Material {
         let Finish { rd, rs, .. } = *self.finish;
         let all = rs.amount + rd.amount;
-        let color = match rd.color.is_like(rs.color) {
+        let color = match rd.color.is_same(rs.color) {
             true => rs.color.rgb(all),
             false => rs.color.rgb(rs.amount) + rd.color.rgb(rd.amount),
         };

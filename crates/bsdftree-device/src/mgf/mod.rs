@@ -8,17 +8,21 @@
 //! names them; the geometry inside a BSDF file may not name any. Deviations from mgf2rad are listed where they are:
 //! [`scene`] (includes), [`piece`] (holes, normals, tori), [`material`], [`color`], [`entity`] (names).
 //!
-//! Modules in the order in which data flows: [`source`] → [`entity`] → [`context`], [`observer`] → [`color`] → [`finish`] →
-//! [`mod@material`]; [`piece`], [`frame`] → [`scene`]; back to text: [`mod@write`].
+//! Modules in the order in which data flows: [`source`] → [`entity`] → [`context`]; colours and materials: [`observer`] → [`color`] →
+//! [`palette`] → [`finish`] → [`mod@material`]; surfaces: [`piece`] → [`geometry`], [`frame`] → [`place`]; all together in [`scene`]; back to
+//! text: [`mod@write`] with `write_material`.
 
 mod color;
 mod context;
 mod entity;
 mod finish;
 mod frame;
+mod geometry;
 mod material;
 mod observer;
+mod palette;
 mod piece;
+mod place;
 mod scene;
 mod source;
 mod write;

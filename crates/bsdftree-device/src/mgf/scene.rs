@@ -8,25 +8,24 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::color::Color;
 use super::context::Contexts;
 use super::entity::{Entity, unexpected};
 use super::finish::Finish;
 use super::frame::Frames;
+use super::geometry;
 use super::material;
-use super::piece::{self, Piece, Vertex};
+use super::palette;
+use super::piece::{Piece, Vertex};
+use super::place::placed;
 use super::source::Source;
 use crate::device::{Device, Surface};
 use crate::error::{DeviceError, Place};
-use crate::mesh::{Mesh, Vertices};
 use crate::options::ReadOptions;
-use crate::rad::shape::{self, Shaped};
 use crate::rad::{Collection, Transform, quoted, too_large};
-use crate::shape::Shape;
 
 /// The state of a walk.
 pub(super) struct Scene {
@@ -182,7 +181,10 @@ impl Scene {
         match entity.keyword {
             "o" => self.frames.object(entity),
             "c" => self.colors.enter(entity).map(|_| ()),
-            "cxy" | "cspec" | "cct" | "cmix" => self.color(entity),
+            "cxy" | "cspec" | "cct" | "cmix" => {
+                *self.colors.current_mut() = palette::color(entity, &self.colors)?;
+                Ok(())
+            }
             "m" => {
                 if self.finishes.enter(entity)? {
                     self.finishes.current_mut().changed(&entity.at);
@@ -227,55 +229,8 @@ impl Scene {
             .warn(format!("{}: unknown entity {keyword} is left out wherever it stands", entity.at));
     }
 
-    /// What the current colour becomes.
-    fn color(&mut self, entity: &Entity<'_>) -> Result<(), DeviceError> {
-        let color = match entity.keyword {
-            "cxy" => {
-                entity.count(2..=2, "x and y")?;
-                Color::of_xy(entity.number(0, "a number")?, entity.number(1, "a number")?)
-            }
-            "cct" => {
-                entity.count(1..=1, "a temperature")?;
-                Color::of_black_body(entity.number_within(0, 1000.0.., "at least 1000 K")?)
-            }
-            "cspec" => {
-                entity.count(4.., "first and last wavelength in nm and at least two values")?;
-                let first = entity.number(0, "a wavelength")?;
-                let last = entity.number(1, "a wavelength")?;
-                if last <= first {
-                    let found = format!("{first} to {last}");
-                    return Err(entity.unexpected("a last wavelength above the first", found, ""));
-                }
-                let values: Result<Vec<f64>, _> =
-                    (2..entity.arguments.len()).map(|k| entity.number(k, "a number")).collect();
-                Color::of_spectrum([first, last], &values?)
-            }
-            _ => {
-                entity.count(4.., "weight and name of at least two colours")?;
-                if entity.arguments.len() % 2 == 1 {
-                    return Err(entity.unexpected("a name for each weight", "a weight alone".to_owned(), ""));
-                }
-                let part = |k: usize| {
-                    let weight = entity.number_within(2 * k, 0.0.., "a weight of at least 0")?;
-                    Ok((weight, *self.colors.get(entity.arguments[2 * k + 1], &entity.at)?))
-                };
-                let parts: Result<Vec<_>, DeviceError> = (0..entity.arguments.len() / 2).map(part).collect();
-                Color::mixed(&parts?)
-            }
-        };
-        let expected = match entity.keyword {
-            "cxy" => "x ≥ 0, y > 0 and x + y ≤ 1",
-            "cmix" => "a weight above 0",
-            _ => "light between 380 and 780 nm",
-        };
-        let color =
-            color.ok_or_else(|| entity.unexpected(expected, quoted(&entity.arguments.join(" ")), ""))?;
-        *self.colors.current_mut() = color;
-        Ok(())
-    }
-
     fn surface(&mut self, entity: &Entity<'_>) -> Result<(), DeviceError> {
-        let (kind, pieces) = self.pieces(entity)?;
+        let (kind, pieces) = geometry::pieces(entity, &self.vertices)?;
         if pieces.is_empty() {
             self.collection.warn(format!("{}: a face with holes is dropped: it has no area", entity.at));
         }
@@ -283,95 +238,6 @@ impl Scene {
             self.place(kind, piece, &entity.at)?;
         }
         Ok(())
-    }
-
-    /// The surfaces of an entity, and what stands for their kind in names.
-    fn pieces(&self, entity: &Entity<'_>) -> Result<(&'static str, Vec<Piece>), DeviceError> {
-        let vertex = |k: usize| self.vertices.get(entity.arguments[k], &entity.at).copied();
-        let all = |words: &[&str]| -> Result<Vec<Vertex>, DeviceError> {
-            words.iter().map(|name| self.vertices.get(name, &entity.at).copied()).collect()
-        };
-        Ok(match entity.keyword {
-            "sph" => {
-                entity.count(2..=2, "a vertex and a radius")?;
-                let piece = Piece::Sphere { center: vertex(0)?.point, radius: entity.number(1, "a radius")? };
-                ("s", vec![piece])
-            }
-            "cyl" => {
-                entity.count(3..=3, "a vertex, a radius and a vertex")?;
-                let (ends, radius) = ([vertex(0)?.point, vertex(2)?.point], entity.number(1, "a radius")?);
-                ("cy", vec![Piece::Cone { ends, radii: [radius; 2] }])
-            }
-            "cone" => {
-                entity.count(4..=4, "a vertex and a radius for each end")?;
-                let ends = [vertex(0)?.point, vertex(2)?.point];
-                let radii = [entity.number(1, "a radius")?, entity.number(3, "a radius")?];
-                if radii[0] * radii[1] < 0.0 || radii == [0.0; 2] {
-                    return Err(bad_radii(entity, "two radii of the same sign, not both 0", radii));
-                }
-                ("c", vec![Piece::Cone { ends, radii }])
-            }
-            "ring" | "torus" => {
-                entity.count(3..=3, "a vertex with a normal and two radii")?;
-                let Vertex { point: center, normal } = vertex(0)?;
-                if normal == DVec3::ZERO {
-                    let found = format!("no normal at vertex {}", quoted(entity.arguments[0]));
-                    return Err(entity.unexpected("a vertex with a normal", found, "add 'n' to the vertex"));
-                }
-                let radii = [entity.number(1, "a radius")?, entity.number(2, "a radius")?];
-                match entity.keyword {
-                    "ring" if radii[0] >= 0.0 && radii[1] > radii[0] => {
-                        ("r", vec![Piece::Ring { center, normal, radii }])
-                    }
-                    "ring" => return Err(bad_radii(entity, "0 ≤ inner radius < outer radius", radii)),
-                    _ => {
-                        let pieces = piece::torus(center, normal, radii);
-                        let expected = "an outer radius farther from 0 than the inner, on the same side";
-                        ("torus", pieces.ok_or_else(|| bad_radii(entity, expected, radii))?)
-                    }
-                }
-            }
-            "prism" => {
-                entity.count(4.., "at least three vertices and a length")?;
-                let (last, names) = (entity.arguments.len() - 1, entity.arguments);
-                let length = entity.number(last, "a length")?;
-                if length == 0.0 {
-                    return Err(entity.unexpected("a length other than 0", quoted(names[last]), ""));
-                }
-                let pieces = piece::prism(&all(&names[..last])?, length);
-                let found = || "vertices on one line".to_owned();
-                ("f", pieces.ok_or_else(|| entity.unexpected("a base with an area", found(), ""))?)
-            }
-            "fh" => ("f", self.face_with_holes(entity)?),
-            _ => {
-                entity.count(3.., "at least three vertices")?;
-                ("f", vec![piece::face(&all(entity.arguments)?)])
-            }
-        })
-    }
-
-    fn face_with_holes(&self, entity: &Entity<'_>) -> Result<Vec<Piece>, DeviceError> {
-        let mut loops: Vec<Vec<Vertex>> = vec![Vec::new()];
-        for (k, &word) in entity.arguments.iter().enumerate() {
-            match loops.last_mut() {
-                Some(vertices) if !word.starts_with('-') => {
-                    vertices.push(*self.vertices.get(word, &entity.at)?);
-                }
-                // A last '-' is the end only.
-                _ if k + 1 == entity.arguments.len() => {}
-                _ => loops.push(Vec::new()),
-            }
-        }
-        if let Some(short) = loops.iter().find(|vertices| vertices.len() < 3) {
-            let found = short.len().to_string();
-            return Err(entity.unexpected("at least three vertices in the face and in each hole", found, ""));
-        }
-        let holes: Vec<&[Vertex]> = loops[1..].iter().map(Vec::as_slice).collect();
-        if holes.is_empty() {
-            Ok(vec![piece::face(&loops[0])])
-        } else {
-            Ok(piece::face_with_holes(&loops[0], &holes))
-        }
     }
 
     /// Adds a piece to the device.
@@ -410,51 +276,5 @@ impl Scene {
         let index = self.collection.index_of(&name, &described.material);
         self.finishes.current_mut().used_as = Some(index);
         Ok(index)
-    }
-}
-
-fn bad_radii(entity: &Entity<'_>, expected: &str, [a, b]: [f64; 2]) -> DeviceError {
-    entity.unexpected(expected, format!("{a} and {b}"), "")
-}
-
-/// A piece in metres: its kind, about how many bytes it takes, its shape.
-fn placed(piece: Piece, to: &Transform) -> (&'static str, usize, Shaped) {
-    match piece {
-        Piece::Polygon(points) => {
-            let mut points: Vec<DVec3> = points.into_iter().map(|p| to.point(p)).collect();
-            if to.mirrored {
-                points.reverse();
-            }
-            ("face", 24 * points.len(), shape::polygon(points))
-        }
-        Piece::Smooth(corners, triangles) => ("face", 256, smooth(&corners, triangles, to)),
-        Piece::Sphere { center, radius } => {
-            ("sphere", 0, shape::sphere(to.point(center), radius * to.scale, false))
-        }
-        Piece::Cone { ends, radii } => {
-            ("cone", 0, shape::cone(ends.map(|p| to.point(p)), radii.map(|r| r * to.scale), false))
-        }
-        Piece::Ring { center, normal, radii } => {
-            ("ring", 0, shape::ring(to.point(center), to.vector(normal), radii.map(|r| r * to.scale)))
-        }
-    }
-}
-
-fn smooth(corners: &[Vertex], triangles: &[[u32; 3]], to: &Transform) -> Shaped {
-    let normal = |v: &Vertex| to.vector(v.normal).normalize_or_zero().as_vec3();
-    let vertices = Vertices {
-        positions: corners.iter().map(|v| to.point(v.point)).collect(),
-        normals: corners.iter().map(normal).collect::<Vec<Vec3>>(),
-        uvs: Vec::new(),
-    };
-    let turned = |&[a, b, c]: &[u32; 3]| if to.mirrored { [c, b, a] } else { [a, b, c] };
-    let mesh = Mesh { vertices: Arc::new(vertices), triangles: triangles.iter().map(turned).collect() };
-    let finite = mesh.vertices.positions.iter().all(|p| p.is_finite());
-    let shape = Shape::Mesh(Arc::new(mesh));
-    // Overflow is an error of its own.
-    if finite && shape.is_degenerate() {
-        Shaped::Dropped("it has no area")
-    } else {
-        Shaped::Shape(shape, None)
     }
 }
