@@ -306,17 +306,20 @@ impl Tree {
     #[inline(always)]
     fn incident_cells(&self, incident: &[Direction; BLOCK]) -> [[u32; BLOCK]; 2] {
         let mut coordinates = [[0.0; BLOCK]; 2];
+        let sign = if self.is_reversed { 1.0 } else { -1.0 };
         for k in 0..BLOCK {
             match self.rank() {
                 Rank::Four => {
                     [coordinates[0][k], coordinates[1][k]] =
-                        square_from_disk([-incident[k][0], -incident[k][1]]);
+                        square_from_disk([sign * incident[k][0], sign * incident[k][1]]);
                 }
                 Rank::Three => coordinates[0][k] = rank3_coordinate(incident[k]),
             }
         }
-        let scale = cell_scale(self.arena().log2_res());
-        coordinates.map(|axis| axis.map(|x| cell(x, scale)))
+        let log2 = self.arena().log2_res();
+        let (scale, flip) = (cell_scale(log2), if self.is_reversed { (1 << log2) - 1 } else { 0 });
+        // All bits of a cell turned over count it from the other end.
+        coordinates.map(|axis| axis.map(|x| cell(x, scale) ^ flip))
     }
 }
 
@@ -417,6 +420,34 @@ mod tests {
                             prop_assert!(single.is_none_or(|single| single == sampled));
                         }
                     }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn light_from_a_border_between_cells_is_sampled_as_it_is_evaluated() {
+        let tree = tree(Rank::Four);
+        let axes = [
+            [0.0, 0.0, 1.0],
+            [0.6, 0.0, 0.8],
+            [-0.6, 0.0, 0.8],
+            [0.0, 0.6, 0.8],
+            [0.0, -0.8, 0.6],
+            [1.0, 0.0, 0.0],
+        ];
+        for reversed in [false, true] {
+            for incident in axes {
+                let lobe = tree.lobe(incident, reversed);
+                for k in 0..500 {
+                    let u = (f64::from(k) + 0.5) / 500.0;
+                    let ([x, y], value) = lobe.sample(u, None).unwrap();
+                    let exitant = Side::Front.direction_from_disk([x, y]);
+                    let [from, to] = if reversed { [exitant, incident] } else { [incident, exitant] };
+                    assert_eq!(tree.eval(from, to), value, "{incident:?} {reversed}");
+                    let mut many = [([0.0; 2], 0.0)];
+                    tree.sample_many(&[incident], reversed, &[u], None, &mut many);
+                    assert_eq!(many[0], ([x, y], value));
                 }
             }
         }

@@ -23,7 +23,7 @@ pub use walk::Leaf;
 
 use crate::direction::Direction;
 use cache::{SliceCache, SliceRef};
-use coordinates::{QUANTUM_BITS, incident_coordinates};
+use coordinates::{QUANTUM_BITS, exitant_square, incident_coordinates, quantized};
 use reverse::Rank3Reverse;
 use totals::Totals;
 
@@ -34,6 +34,8 @@ pub struct Tree {
     totals: OnceLock<Option<Totals>>,
     /// Rank 4: the tree for light travelling the other way.
     reversed: OnceLock<Box<Tree>>,
+    /// Whether it is that of another, whose exitant cells its incident ones are. It matters at their borders only.
+    is_reversed: bool,
     /// Rank 3: the reversed slice last used.
     rank3_reverse: Mutex<Option<Arc<Rank3Reverse>>>,
 }
@@ -46,6 +48,7 @@ impl Tree {
             slices: SliceCache::default(),
             totals: OnceLock::new(),
             reversed: OnceLock::new(),
+            is_reversed: false,
             rank3_reverse: Mutex::new(None),
         }
     }
@@ -147,7 +150,10 @@ impl Tree {
 
     /// Rank 4: the tree for light travelling the other way.
     fn reversed(&self) -> &Tree {
-        self.reversed.get_or_init(|| Box::new(Tree::new(reverse::reversed(&self.arena))))
+        self.reversed.get_or_init(|| {
+            let is_reversed = !self.is_reversed;
+            Box::new(Tree { is_reversed, ..Tree::new(reverse::reversed(&self.arena)) })
+        })
     }
 
     /// Directional-hemispherical total.
@@ -162,7 +168,12 @@ impl Tree {
     /// The incident cell of a direction at the tree's own resolution.
     fn incident_cell(&self, incident: Direction) -> [u32; 2] {
         let shift = QUANTUM_BITS - self.arena.log2_res();
-        incident_coordinates(self.rank(), incident).map(|c| (c >> shift) as u32)
+        let cell = |c: u64| (c >> shift) as u32;
+        match self.is_reversed {
+            false => incident_coordinates(self.rank(), incident).map(cell),
+            true => exitant_square(Rank::Four, incident, incident)
+                .map(|c| (1 << self.arena.log2_res()) - 1 - cell(quantized(c))),
+        }
     }
 
     /// The totals of all incident cells, unless there are too many.
