@@ -2,10 +2,12 @@
 VENV ?= .venv
 PYTHON ?= python3
 BIN = $(VENV)/bin
+PREFIX ?= /usr/local
+VERSION = $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 # Everything that makes the extension module out of date.
 SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: help setup demo test test-rust test-python lint format bench bench-generate docs clean
+.PHONY: help setup demo test test-rust test-python lint format bench bench-generate install-c docs clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -48,6 +50,15 @@ bench: setup ## Measure, with Radiance beside it
 
 bench-generate: setup ## Errors of generated trees beside Radiance's, at equal cost; 40 minutes
 	$(BIN)/python -m benches.generate
+
+install-c: ## Install bsdftree.h and the C library under PREFIX (/usr/local)
+	cargo build --release --quiet -p bsdftree-c
+	install -d $(PREFIX)/include $(PREFIX)/lib/pkgconfig
+	install -m 644 crates/bsdftree-c/include/bsdftree.h $(PREFIX)/include
+	install -m 644 target/release/libbsdftree_c.a $(PREFIX)/lib/libbsdftree.a
+	install -m 755 target/release/libbsdftree_c.so $(PREFIX)/lib/libbsdftree.so.0
+	ln -sf libbsdftree.so.0 $(PREFIX)/lib/libbsdftree.so
+	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' crates/bsdftree-c/bsdftree.pc.in > $(PREFIX)/lib/pkgconfig/bsdftree.pc
 
 docs: ## API documentation of the crates, in target/doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

@@ -2,7 +2,7 @@
 //
 //   c++ -O2 -std=c++17 render.cpp $(pkg-config --cflags --libs bsdftree) -o render && ./render blinds.xml 64 > room.ppm
 //
-// The room is 4 m wide, 3 m high and 6 m deep; its far wall, which we look at, has the window, whose front is the room. Walls are diffuse.
+// The room is 4 m wide, 3 m high and 5 m deep; its far wall, which we look at, has the window, whose front is the room. Walls are diffuse.
 // At the window a path goes on as the BSDF says; what leaves through it meets a sky that is brighter towards the zenith, and a dark ground.
 #include <bsdftree.h>
 
@@ -20,8 +20,8 @@ using Vector = std::array<double, 3>;
 constexpr double PI = 3.14159265358979323846;
 constexpr int WIDTH = 192, HEIGHT = 144, BOUNCES = 8;
 // Half the width, half the height, the depth; the window's half width, its lower and upper edge.
-constexpr double ROOM[3] = {2.0, 1.5, 6.0}, WINDOW[3] = {1.4, -0.5, 1.2};
-constexpr double WALLS = 0.6;
+constexpr double ROOM[3] = {2.0, 1.5, 5.0}, WINDOW[3] = {1.8, -0.8, 1.3};
+constexpr double WALLS = 0.7, EXPOSURE = 2.5;
 
 struct Hit {
     double t;
@@ -119,7 +119,7 @@ int main(int argc, char **argv)
                     c /= length;
                 sum += radiance(band, {0.0, 0.0, 0.3}, d, random);
             }
-            const double shown = std::pow(std::min(1.0, sum / samples), 1.0 / 2.2);
+            const double shown = std::pow(std::min(1.0, EXPOSURE * sum / samples), 1.0 / 2.2);
             const auto byte = static_cast<unsigned char>(255.0 * shown + 0.5);
             for (int c = 0; c < 3; c++)
                 std::fputc(byte, stdout);
