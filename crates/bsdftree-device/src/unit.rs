@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use bsdftree::LengthUnit;
+
 use crate::error::DeviceError;
 
 /// The unit that the numbers of a scene file are in.
@@ -29,6 +31,18 @@ impl Unit {
             Unit::Inch => 0.0254,
             Unit::Centimeter => 0.01,
             Unit::Millimeter => 0.001,
+        }
+    }
+}
+
+impl From<LengthUnit> for Unit {
+    fn from(unit: LengthUnit) -> Unit {
+        match unit {
+            LengthUnit::Meter => Unit::Meter,
+            LengthUnit::Foot => Unit::Foot,
+            LengthUnit::Inch => Unit::Inch,
+            LengthUnit::Centimeter => Unit::Centimeter,
+            LengthUnit::Millimeter => Unit::Millimeter,
         }
     }
 }

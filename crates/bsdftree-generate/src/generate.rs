@@ -21,6 +21,7 @@ use crate::count::Counter;
 use crate::counts::{Counts, Spent};
 use crate::diffuse::Reuse;
 use crate::estimate::{Estimated, Estimator};
+use crate::geometry;
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
 use crate::path::Scene;
@@ -246,6 +247,10 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             Some(estimated) => estimated,
             None => self.estimated(&counts, samples)?,
         };
+        let (mut bsdf, mut warnings) = (bsdf, self.warnings(device, spent.lost));
+        if options.geometry {
+            warnings.extend(geometry::put(&mut bsdf.header, device, options.unit, &self.counter.aperture));
+        }
         let report = Report {
             paths: self.counter.paths(samples),
             samples,
@@ -257,7 +262,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             tracing: Duration::from_secs_f64(spent.seconds),
             reducing: reducing.max(started.elapsed()),
             aperture: self.counter.aperture,
-            warnings: self.warnings(device, spent.lost),
+            warnings,
         };
         Ok(Generated { bsdf, errors, report })
     }

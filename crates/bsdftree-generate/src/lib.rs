@@ -39,6 +39,7 @@ mod estimate;
 mod counts;
 mod checkpoint;
 mod count;
+mod geometry;
 pub mod generate;
 
 pub use checkpoint::CheckpointError;

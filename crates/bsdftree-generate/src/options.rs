@@ -81,6 +81,8 @@ pub struct Options {
     pub tile: bool,
     /// Unit of length in the file's header.
     pub unit: LengthUnit,
+    /// Whether to put the device's geometry into the file, as MGF in that unit.
+    pub geometry: bool,
     /// Equal seeds give equal bits, whatever the number of threads.
     pub seed: u64,
     /// Number of threads; all processors by default.
@@ -109,6 +111,7 @@ impl Options {
             aperture: None,
             tile: false,
             unit: LengthUnit::Meter,
+            geometry: false,
             seed: 0,
             threads: None,
             checkpoint: None,

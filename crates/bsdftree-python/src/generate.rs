@@ -112,7 +112,7 @@ pub struct Generation {
 
 /// Starts a generation; `aperture` is in `unit`. Of `klems` and (`rank`, `log2_res`) exactly one is given.
 #[pyfunction]
-#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, detail, time_budget, stratified, sides, color, reciprocity, reuse, pruned, aperture, tile, unit, seed, threads, checkpoint))]
+#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, detail, time_budget, stratified, sides, color, reciprocity, reuse, pruned, aperture, tile, unit, seed, threads, checkpoint, geometry=false))]
 #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
 pub fn generate(
     device: &Device,
@@ -137,6 +137,7 @@ pub fn generate(
     seed: u64,
     threads: Option<usize>,
     checkpoint: Option<PathBuf>,
+    geometry: bool,
 ) -> PyResult<Generation> {
     let layout = layout::layout(rank, log2_res, klems, subdivide)?;
     let sides = match sides {
@@ -172,6 +173,7 @@ pub fn generate(
         seed,
         threads,
         checkpoint,
+        geometry,
     };
     let progress = Arc::new(Progress::default());
     let (device, shared) = (Arc::clone(&device.0), Arc::clone(&progress));

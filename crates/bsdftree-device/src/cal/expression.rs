@@ -3,7 +3,7 @@
 use super::error::CalError;
 use super::inputs::{Inputs, Uses};
 use super::machine;
-use super::program::{Op, Program};
+use super::program::{Entry, Named, Op, Program};
 use super::scratch::Scratch;
 use std::sync::Arc;
 
@@ -117,7 +117,7 @@ pub struct Function {
 
 impl Function {
     pub(super) fn new(program: Program, n_arguments: usize) -> Self {
-        Function { program: Arc::new(with_constant_variables(program, &mut { CONSTANT_STEPS })), n_arguments }
+        Function { program: Arc::new(with_constant_variables(program)), n_arguments }
     }
 
     /// With how many arguments it is called.
@@ -181,33 +181,29 @@ fn entry_value<I: Inputs + ?Sized>(
 
 /// Operations that may be spent on constants of a program.
 const CONSTANT_STEPS: usize = 1_000_000;
+/// How many constants without a proper value are looked at before the rest is left for evaluation.
+const MAX_FAILURES: usize = 16;
 
 /// Computes formulas and variables that depend on nothing, where they have a value without a fault.
 fn with_constant_entries(program: Program) -> Program {
-    let mut steps = CONSTANT_STEPS;
-    let mut program = with_constant_variables(program, &mut steps);
-    for at in 0..program.entries.len() {
-        if program.entries[at].uses.is_empty() {
-            program.entries[at].constant = constant_value(&program, program.entries[at].pc, &mut steps);
-        }
+    let mut program = with_constant_variables(program);
+    let constant = |entry: &Entry| entry.uses.is_empty().then_some(entry.pc);
+    let pcs: Vec<Option<u32>> = program.entries.iter().map(constant).collect();
+    let values = constant_values(&program, &pcs);
+    for (entry, value) in program.entries.iter_mut().zip(values) {
+        entry.constant = value;
     }
     program
 }
 
 /// Computes variables that depend on nothing, where they have a value without a fault.
-fn with_constant_variables(mut program: Program, steps: &mut usize) -> Program {
-    let is_constant = program.variable_uses.iter().map(|uses| uses.is_empty());
-    let constants: Vec<Option<f64>> = is_constant
-        .zip(&program.variables)
-        .map(
-            |(is_constant, variable)| {
-                if is_constant { constant_value(&program, variable.pc, steps) } else { None }
-            },
-        )
-        .collect();
+fn with_constant_variables(mut program: Program) -> Program {
+    let constant = |(variable, uses): (&Named, &Uses)| uses.is_empty().then_some(variable.pc);
+    let pcs: Vec<Option<u32>> = program.variables.iter().zip(&program.variable_uses).map(constant).collect();
+    let values = constant_values(&program, &pcs);
     for op in &mut program.code {
         if let Op::Variable(at) = *op
-            && let Some(value) = constants[at as usize]
+            && let Some(value) = values[at as usize]
         {
             *op = Op::Number(value);
         }
@@ -215,10 +211,24 @@ fn with_constant_variables(mut program: Program, steps: &mut usize) -> Program {
     program
 }
 
-fn constant_value(program: &Program, pc: u32, steps: &mut usize) -> Option<f64> {
-    let mut scratch = Scratch::with_max_steps(*steps);
+/// Values of the code at these places, as far as they have any.
+fn constant_values(program: &Program, pcs: &[Option<u32>]) -> Vec<Option<f64>> {
+    let mut values = vec![None; pcs.len()];
+    let mut scratch = Scratch::with_max_steps(CONSTANT_STEPS);
     scratch.begin(program);
-    let value = machine::run(program, pc, &(), &mut scratch);
-    *steps = steps.saturating_sub(scratch.steps());
-    value.ok().filter(|_| scratch.faults() == 0)
+    let mut n_failures = 0;
+    // What is needed by others was found after them.
+    for (value, pc) in values.iter_mut().zip(pcs).rev() {
+        let Some(pc) = *pc else { continue };
+        match machine::run(program, pc, &(), &mut scratch) {
+            Ok(found) if scratch.faults() == 0 => *value = Some(found),
+            _ if n_failures == MAX_FAILURES => break,
+            // A fault is forgotten with the value that it led to.
+            _ => {
+                n_failures += 1;
+                scratch.begin(program);
+            }
+        }
+    }
+    values
 }

@@ -40,7 +40,7 @@ pub(super) fn constant(
             }
             match definition.body.kind(definition.body.root) {
                 Kind::Number(value) => Some(value),
-                _ => evaluated(table, &definition.body, budget),
+                _ => evaluated(table, definition.body.clone(), budget),
             }
         }
         Kind::Call { callee: Callee::Name(id), first, n } => {
@@ -52,7 +52,7 @@ pub(super) fn constant(
                 _ => false,
             };
             (is_constant_function(table, id) && list.iter().all(is_constant))
-                .then(|| evaluated(table, &call_of(id, list), budget))?
+                .then(|| evaluated(table, Arc::new(call_of(id, list)), budget))?
         }
         _ => None,
     }
@@ -75,9 +75,12 @@ fn call_of(function: u32, mut nodes: Vec<Node>) -> Body {
 }
 
 /// The value, if it needs nothing from outside, is no fault and comes within reason.
-fn evaluated(table: &Table, body: &Body, budget: &mut Budget) -> Option<f64> {
+fn evaluated(table: &Table, body: Arc<Body>, budget: &mut Budget) -> Option<f64> {
     let max_ops = budget.0.min(MAX_COST);
-    let program = Compiler::new(table, max_ops).link(&[Arc::new(body.clone())]);
+    if max_ops == 0 {
+        return None;
+    }
+    let program = Compiler::new(table, max_ops).link(&[body]);
     budget.0 = budget.0.saturating_sub(program.code.len());
     let entry = &program.entries[0];
     if program.is_cut || !entry.uses.is_empty() {

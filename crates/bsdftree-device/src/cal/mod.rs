@@ -44,6 +44,8 @@
 //! * `x / 49` is divided, where Radiance multiplies by a rounded 1/49, so that floor(49/49) is 1 here and 0 there.
 //! * A variable that is defined by itself is an error; Radiance takes a value from before.
 //! * Names longer than 127 characters are an error; Radiance cuts them off. So are numbers beyond 1.8e308 and `$0`.
+//! * Parentheses nest 200 deep, a function has 100 parameters, an evaluation ends within ten million operations and 50 000
+//!   calls within calls; Radiance goes on until its memory or stack is used up.
 //! * `fprism_val`, a ray tracer for one kind of prism inside Radiance's library, is not there.
 //!
 //! Modules in the order in which data flows: `scan`, `tree`, `table`, `parse` (with `fold`), `compile` (with `library`,

@@ -14,12 +14,14 @@ use super::tree::{Body, Callee, Definition, Kind, Node, NodeId, Operator};
 use crate::error::Place;
 use std::sync::Arc;
 
-/// How deep parentheses, calls and powers may nest.
-const MAX_NESTING: usize = 500;
+/// How deep parentheses, calls and powers may nest: an unoptimised build needs less than 1 MiB of stack for that.
+const MAX_NESTING: usize = 200;
 /// Largest text.
 const MAX_BYTES: usize = 64 << 20;
-/// Most parameters of a function and most arguments of a call.
-const MAX_PARAMETERS: usize = 4096;
+/// Most parameters of a function, and most arguments of a call through one, whose code is made for each function passed.
+const MAX_PARAMETERS: usize = 100;
+/// Most arguments of a call.
+const MAX_ARGUMENTS: usize = 4096;
 
 /// Where a text stands: what its names mean, which channels it may use, and its place in a file.
 pub(super) struct Setting<'s> {
@@ -295,7 +297,7 @@ impl<'a, 't> Parser<'a, 't> {
             None => Callee::Name(self.table.link(name, self.scope)),
         };
         let kind = if self.scan.peek() == Some(b'(') {
-            let (first, n) = self.argument_list(name)?;
+            let (first, n) = self.argument_list(name, callee)?;
             Kind::Call { callee, first, n }
         } else {
             match callee {
@@ -307,12 +309,16 @@ impl<'a, 't> Parser<'a, 't> {
         Ok(self.node_at(folded.map_or(kind, Kind::Number), line))
     }
 
-    fn argument_list(&mut self, function: &str) -> Result<(u32, u16), CalError> {
+    fn argument_list(&mut self, function: &str, callee: Callee) -> Result<(u32, u16), CalError> {
+        let (limit, what) = match callee {
+            Callee::Name(_) => (MAX_ARGUMENTS, "arguments of a call"),
+            Callee::Parameter(_) => (MAX_PARAMETERS, "arguments of a call through a parameter"),
+        };
         let mut list = vec![];
         loop {
             self.scan.advance()?;
-            if list.len() == MAX_PARAMETERS {
-                return Err(self.scan.too_large("arguments of a call", MAX_PARAMETERS, "use a data file"));
+            if list.len() == limit {
+                return Err(self.scan.too_large(what, limit, "use fewer, or a data file"));
             }
             list.push(self.sum()?);
             if self.scan.peek() != Some(b',') {

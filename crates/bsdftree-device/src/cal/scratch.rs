@@ -48,7 +48,7 @@ impl Scratch {
     }
 
     /// Operations of the last evaluation.
-    pub(super) fn steps(&self) -> usize {
+    pub(crate) fn steps(&self) -> usize {
         self.steps
     }
 

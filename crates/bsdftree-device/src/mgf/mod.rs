@@ -12,14 +12,14 @@
 //! [`palette`] → [`finish`] → [`mod@material`]; surfaces: [`piece`] → [`geometry`], [`frame`] → [`place`]; all together in [`scene`]; back to
 //! text: [`mod@write`] with `write_material`.
 
-mod color;
+pub(crate) mod color;
 mod context;
 mod entity;
 mod finish;
 mod frame;
 mod geometry;
 mod material;
-mod observer;
+pub(crate) mod observer;
 mod palette;
 mod piece;
 mod place;
@@ -38,12 +38,11 @@ use bsdftree::xml::{Strictness, read_file};
 use crate::device::Device;
 use crate::error::DeviceError;
 use crate::options::ReadOptions;
-use crate::unit::Unit;
 use scene::Scene;
 use source::Source;
 
 impl Device {
-    /// Reads MGF files, in their order one scene, as the options (or just a [`Unit`]) say.
+    /// Reads MGF files, in their order one scene, as the options (or just a [`Unit`](crate::Unit)) say.
     ///
     /// # Errors
     /// [`DeviceError`] with file, line, what was found and what was expected: text that is not MGF, luminaires, files that cannot
@@ -56,7 +55,7 @@ impl Device {
         Ok(scene.into_device())
     }
 
-    /// Reads MGF text, as the options (or just a [`Unit`]) say.
+    /// Reads MGF text, as the options (or just a [`Unit`](crate::Unit)) say.
     ///
     /// `name` stands for the file in messages; files that the text includes are looked for in `directory`.
     ///
@@ -89,8 +88,26 @@ impl Device {
         geometry: &Geometry,
         options: impl Into<ReadOptions>,
     ) -> Result<Device, DeviceError> {
-        let options = ReadOptions { unit: unit(geometry.unit), ..options.into() };
+        let options = ReadOptions { unit: geometry.unit.into(), ..options.into() };
         parse(&geometry.mgf, "geometry of the BSDF", None, options)
+    }
+
+    /// The geometry as a BSDF file holds it, with this point \[m\] of the device at x = y = 0, as genBSDF puts it; and what MGF
+    /// does not say of the device, one sentence each.
+    ///
+    /// ```
+    /// use bsdftree_device::Device;
+    /// let blinds = Device::from_spec("blinds")?;
+    /// let (geometry, losses) = blinds.to_bsdf_geometry(bsdftree::LengthUnit::Inch, [0.1, 0.0]);
+    /// assert!(losses.is_empty());
+    /// let again = Device::from_bsdf_geometry(&geometry, bsdftree_device::ReadOptions::default())?;
+    /// assert!((again.bounds().unwrap()[0].x - (blinds.bounds().unwrap()[0].x - 0.1)).abs() < 1e-12);
+    /// # Ok::<(), bsdftree_device::DeviceError>(())
+    /// ```
+    pub fn to_bsdf_geometry(&self, unit: LengthUnit, [x, y]: [f64; 2]) -> (Geometry, Vec<String>) {
+        let Mgf { text, losses } = self.to_mgf(unit.into());
+        let [x, y] = [x, y].map(|length| -length / unit.meters());
+        (Geometry { mgf: format!("xf -t {x:?} {y:?} 0\n{text}xf\n"), unit }, losses)
     }
 
     /// Reads the device inside a BSDF file; `None` if there is none.
@@ -116,14 +133,4 @@ fn parse(
     let mut scene = Scene::new(options);
     scene.top(&Source::of(text, name, directory))?;
     Ok(scene.into_device())
-}
-
-fn unit(unit: LengthUnit) -> Unit {
-    match unit {
-        LengthUnit::Meter => Unit::Meter,
-        LengthUnit::Foot => Unit::Foot,
-        LengthUnit::Inch => Unit::Inch,
-        LengthUnit::Centimeter => Unit::Centimeter,
-        LengthUnit::Millimeter => Unit::Millimeter,
-    }
 }

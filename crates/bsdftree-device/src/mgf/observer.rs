@@ -28,7 +28,7 @@ const OBSERVER: [[f64; 3]; 41] = [
 ];
 
 /// X, Y, Z of a spectrum, relative to the same spectrum's if it were 1 everywhere.
-pub(super) fn xyz(spectrum: impl Fn(f64) -> f64) -> [f64; 3] {
+pub(crate) fn xyz(spectrum: impl Fn(f64) -> f64) -> [f64; 3] {
     let (mut sums, mut whites) = ([0.0; 3], [0.0; 3]);
     for (interval, ends) in OBSERVER.windows(2).enumerate() {
         for part in 0..FINE {
