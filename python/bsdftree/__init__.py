@@ -16,8 +16,9 @@ from bsdftree._check import BandCheck, Energy, Finding, Reciprocity
 from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
-from bsdftree._generate import GenerationReport, Resumed, generate
+from bsdftree._generate import generate
 from bsdftree._peaks import Peak, PeakFamily
+from bsdftree._report import GenerationReport, Resumed
 
 __all__ = [
     "BandCheck",

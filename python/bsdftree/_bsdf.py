@@ -175,7 +175,7 @@ class Bsdf:
     geometry : str or None
         Device geometry in the file, as MGF text.
     properties : dict of str
-        What else the file says of the material: ``DeviceType`` if it is not ``Other``, ``ThermalConductivity`` and so on.
+        What else the file says of the material, such as ``ThermalConductivity``.
     provenance : list of str
         How it was made: comments at the head of the file.
     repairs : list of str

@@ -3,10 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple
 
 from bsdftree import _core
+from bsdftree._radiance.programs import find_folder
+
+Format = Literal["rad", "mgf", "obj", "ply", "stl", "rtm", "oct", "xml"]
+Materials = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
+
+
+METERS = {"meter": 1.0, "foot": 0.3048, "inch": 0.0254, "centimeter": 0.01, "millimeter": 0.001}
+"""Units of length, as WINDOW's files name them [m]."""
+FORMATS = ("rad", "mgf", "obj", "ply", "stl", "rtm", "oct", "xml")
+"""Endings of the files that :meth:`Device.read` tells apart."""
 
 
 class Parameter(NamedTuple):
@@ -59,27 +69,64 @@ class Device:
         self.warnings = core.warnings
 
     @classmethod
-    def read(cls, *paths: str | os.PathLike[str], unit: str = "meter") -> Device:
-        """Read Radiance scene files, in order, as one scene.
+    def read(
+        cls,
+        *paths: str | os.PathLike[str],
+        unit: str = "meter",
+        up: str = "y",
+        format: Format | None = None,
+        materials: Materials = (),
+        material_names: Mapping[str, str] | None = None,
+        default_material: str | None = None,
+        allow_commands: Sequence[str] = (),
+    ) -> Device:
+        """Read files, in order, as one device.
 
         Parameters
         ----------
         *paths
-            The files.
+            The files, told apart by their endings: ``.rad`` and what is not known, Radiance scenes; ``.mgf``; meshes
+            as ``.obj``, ``.ply``, ``.stl`` and Radiance's ``.rtm``; frozen octrees ``.oct``; ``.xml``, the geometry in
+            a BSDF file, which has its own unit.
         unit
             Unit of length in the files: meter, foot, inch, centimeter or millimeter.
+        up
+            The axis that points up in the drawing: x, -x, y, -y, z or -z; with z, the room is towards its -Y.
+        format
+            What all files are, whatever their endings.
+        materials
+            Radiance files of materials for meshes, read before everything else.
+        material_names
+            Modifiers of those files, by the names that materials have in meshes.
+        default_material
+            The modifier of what has no material, or one that is not defined.
+        allow_commands
+            Programs that ``!`` commands of scenes may run, by name, besides those that are understood (``xform``,
+            ``genbox`` and so on) and never run. No shell is run.
 
         Raises
         ------
         ValueError
             If a file cannot be read or is not understood; the message names file and line and what to do.
         """
-        return cls(_core.Device._read_rad([os.fspath(p) for p in paths], unit))
+        reading = _reading(unit, materials, material_names, default_material, allow_commands)
+        kinds = [(format or format_of(path), os.fspath(path)) for path in paths]
+        device = cls(_core.Device._read(_one_kind(kinds), [path for _, path in kinds], reading))
+        return device if up.lower().lstrip("+") == "y" else device.turned_up(up)
 
     @classmethod
-    def parse(cls, text: str, *, directory: str | os.PathLike[str] = ".", unit: str = "meter") -> Device:
-        """Read a Radiance scene from a string; files that it names are looked for in ``directory``."""
-        return cls(_core.Device._parse_rad(text, os.fspath(directory), unit))
+    def parse(
+        cls,
+        text: str,
+        *,
+        directory: str | os.PathLike[str] = ".",
+        unit: str = "meter",
+        format: Literal["rad", "mgf"] = "rad",
+        allow_commands: Sequence[str] = (),
+    ) -> Device:
+        """Read a Radiance or MGF scene from a string; files that it names are looked for in ``directory``."""
+        reading = _reading(unit, (), None, None, allow_commands)
+        return cls(_core.Device._parse(format, text, os.fspath(directory), reading))
 
     @classmethod
     def from_spec(cls, spec: str) -> Device:
@@ -106,18 +153,79 @@ class Device:
         """Return the device as a Radiance scene in metres."""
         return self._core.to_rad()
 
+    def to_mgf(self, unit: str = "meter") -> tuple[str, list[str]]:
+        """Return the device as MGF, and sentences on what MGF cannot say of it.
+
+        Parameters
+        ----------
+        unit
+            Unit of its lengths: meter, foot, inch, centimeter or millimeter.
+        """
+        return self._core.to_mgf(unit)
+
     def __repr__(self) -> str:
         return repr(self._core)
 
 
-def as_device(device: Device | str | os.PathLike[str] | Sequence[str | os.PathLike[str]], unit: str) -> Device:
+def _reading(
+    unit: str,
+    materials: Materials,
+    material_names: Mapping[str, str] | None,
+    default_material: str | None,
+    allow_commands: Sequence[str],
+) -> dict[str, object]:
+    """Return how files are read, as the extension takes it."""
+    several = [materials] if isinstance(materials, (str, os.PathLike)) else materials
+    return {
+        "unit": unit,
+        "search": search_folders(),
+        "allow_commands": list(allow_commands),
+        "materials": [os.fspath(path) for path in several],
+        "material_names": dict(material_names or {}),
+        "default_material": default_material,
+    }
+
+
+def search_folders() -> list[str]:
+    """Return where function files and others are looked for: as Radiance does, and last in pyradiance's library."""
+    folders = os.environ.get("RAYPATH", os.pathsep.join([".", "/usr/local/lib/ray"])).split(os.pathsep)
+    radiance = find_folder()
+    return [*folders, *([os.fspath(radiance / "lib")] if radiance is not None else [])]
+
+
+def _one_kind(kinds: Sequence[tuple[str, str]]) -> str:
+    """Return the kind that all files have."""
+    first = kinds[0][0] if kinds else "rad"
+    for kind, path in kinds:
+        if kind != first:
+            raise ValueError(f"{path} is {kind}, but {kinds[0][1]} is {first}; files of one device have one kind")
+    return first
+
+
+def family_of(device: str | os.PathLike[str]) -> str | None:
+    """Return the spec of a parametric device, or None if it is a path."""
+    text = os.fspath(device)
+    is_family = text.partition(":")[0] in {f.name for f in device_families()}
+    return text if is_family and not os.path.exists(text) else None
+
+
+def format_of(path: str | os.PathLike[str]) -> str:
+    """Return what kind of file a name says that it is; ``rad``, a Radiance scene, if it says nothing known."""
+    ending = os.path.splitext(os.fspath(path))[1].lower().lstrip(".")
+    return ending if ending in FORMATS else "rad"
+
+
+def as_device(
+    device: Device | str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    unit: str,
+    allow_commands: Sequence[str] = (),
+) -> Device:
     """Return a device from what people pass: a Device, a path, paths, or the spec of a parametric device."""
     if isinstance(device, Device):
         return device
     if isinstance(device, (str, os.PathLike)):
-        text = os.fspath(device)
-        family = text.partition(":")[0]
-        if not os.path.exists(text) and family in {f.name for f in device_families()}:
-            return Device.from_spec(text)
-        return Device.read(text, unit=unit)
-    return Device.read(*device, unit=unit)
+        family = family_of(device)
+        if family is not None:
+            return Device.from_spec(family)
+        device = [device]
+    return Device.read(*device, unit=unit, allow_commands=allow_commands)

@@ -4,85 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Literal
-
-import numpy as np
-from numpy.typing import NDArray
 
 from bsdftree import _core
 from bsdftree._bsdf import Bsdf
 from bsdftree._device import Device, as_device
+from bsdftree._radiance.generation import generate_by_radiance
+from bsdftree._report import GenerationReport, Resumed
 
 KlemsName = Literal["full", "half", "half73", "quarter"]
-
-
-@dataclass(frozen=True)
-class Resumed:
-    """Where a generation went on that had been interrupted, or was done and is to have more samples.
-
-    Attributes
-    ----------
-    samples
-        Paths per incident cell and side that had been counted in whole rounds.
-    round_end
-        Paths per incident cell and side at the end of the round that was interrupted; ``samples`` if none was.
-    share
-        The share of that round that had been counted, in 0..1.
-    dropped
-        What had been written but is not whole, and is counted again [byte].
-    """
-
-    samples: int
-    round_end: int
-    share: float
-    dropped: int
-
-
-@dataclass(frozen=True)
-class GenerationReport:
-    """What a generation did.
-
-    Attributes
-    ----------
-    paths
-        Paths followed.
-    samples
-        Paths per incident cell and side.
-    stop
-        Why there were no more: ``"samples"``, ``"tolerance"``, ``"time"`` or ``"memory"``.
-    error
-        Estimated relative error of the whole: Σ abs(error) / Σ BSDF over all finest cells.
-    direction_error
-        Largest error of the hemispherical total of an incident cell: half its 95 % interval, or what the tree departs
-        from what was counted; relative to the total, or to 0.1 if the total is less.
-    errors
-        The standard error of each value, as a BSDF of the same form. A 95 % interval is ±2.36 standard errors.
-    totals
-        For each component, the hemispherical totals of all incident cells as counted, before anything was merged, and
-        their standard errors, each (n_cells,). Cells count in Morton order, x first.
-    lost
-        Paths trapped in the device; they are missing from the result.
-    tracing_seconds, reducing_seconds
-        Wall time of the two stages.
-    aperture
-        Smallest and largest x, y, z of the box that stood for the device [m].
-    warnings
-        What you should know.
-    """
-
-    paths: int
-    samples: int
-    stop: Literal["samples", "tolerance", "time", "memory"]
-    error: float
-    direction_error: float
-    errors: Bsdf
-    totals: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
-    lost: int
-    tracing_seconds: float
-    reducing_seconds: float
-    aperture: tuple[tuple[float, float, float], tuple[float, float, float]]
-    warnings: tuple[str, ...]
 
 
 def generate(
@@ -110,6 +40,10 @@ def generate(
     seed: int = 0,
     threads: int | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
+    engine: Literal["bsdftree", "radiance"] = "bsdftree",
+    rcontrib: Sequence[str] = (),
+    cull_percent: float = 90.0,
+    allow_commands: Sequence[str] = (),
     progress: Callable[[int, int], None] | None = None,
     resumed: Callable[[Resumed], None] | None = None,
     report: Callable[[GenerationReport], None] | None = None,
@@ -175,6 +109,17 @@ def generate(
         way, goes on where it was when it is called again, and ends with the same bits; one that is done goes on to more
         ``samples`` (from the last power of two, or multiple of 16 384, so that the bits are those of as many at once).
         Another device, or an option that changes what is counted, is refused. The directory stays when all is done.
+    engine
+        What traces: our own tracer, or Radiance's ``rcontrib`` (with the extra ``radiance``), for scenes with what ours
+        does not know, and to compare. Radiance's results differ a little in each run. It knows no ``tolerance``,
+        ``time_budget``, ``detail``, ``tile`` or ``checkpoint``, and takes lengths as they stand in the files.
+    rcontrib
+        With Radiance, more options of its program, such as ``["-ab", "8"]``. Those of genBSDF come first:
+        ``-ab 5 -ad 700 -lw 3e-6``.
+    cull_percent
+        With Radiance, how much of a tree its reducer culls, in [0, 100); nothing is culled without ``prune``.
+    allow_commands
+        Programs that ``!`` commands of scene files may run besides those that are understood.
     progress
         Called about 10 times a second with paths done and paths to do.
     resumed
@@ -189,13 +134,47 @@ def generate(
     """
     if sampling not in ("sobol", "random"):
         raise ValueError(f"sampling {sampling!r}; expected 'sobol' or 'random'")
-    device = as_device(device, unit)
+    if dim is not None and len(dim) != 6:
+        raise ValueError(f"dim has {len(dim)} numbers; expected xmin xmax ymin ymax zmin zmax")
+    if engine == "radiance":
+        unknown = {
+            "tolerance": tolerance is not None,
+            "time_budget": time_budget is not None,
+            "detail": detail is not None,
+            "tile": tile,
+            "checkpoint": checkpoint is not None,
+            "sampling": sampling == "random",
+        }
+        for option in (name for name, given in unknown.items() if given):
+            raise ValueError(f"the engine radiance knows no {option}; use engine 'bsdftree' or leave it out")
+        return generate_by_radiance(
+            device,
+            rank=0 if klems is not None else rank,
+            log2_res=log2_res,
+            klems=klems if klems is None or isinstance(klems, str) else list(klems),
+            subdivide=subdivide,
+            samples=2000 if samples is None else samples,
+            sides=sides,
+            color=color,
+            reciprocity=reciprocity is True,
+            cull_percent=cull_percent if prune else None,
+            dim=dim,
+            unit=unit,
+            up=up,
+            seed=seed,
+            processes=threads or os.cpu_count() or 1,
+            options=rcontrib,
+            allow_commands=allow_commands,
+            progress=progress,
+            report=report,
+        )
+    if engine != "bsdftree":
+        raise ValueError(f"engine {engine!r}; expected 'bsdftree' or 'radiance'")
+    device = as_device(device, unit, allow_commands)
     if up.lstrip("+").lower() != "y":
         device = device.turned_up(up)
     aperture = None
     if dim is not None:
-        if len(dim) != 6:
-            raise ValueError(f"dim has {len(dim)} numbers; expected xmin xmax ymin ymax zmin zmax")
         aperture = (tuple(map(float, dim[0::2])), tuple(map(float, dim[1::2])))
     generation = _core.generate(
         device._core,

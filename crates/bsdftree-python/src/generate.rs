@@ -1,13 +1,11 @@
-//! Devices, and generation on threads of its own so that Python can show progress and stop it.
+//! Generation on threads of its own so that Python can show progress and stop it.
 
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use bsdftree::bsdf::LengthUnit;
-use bsdftree_device::{Unit, Up, parametric};
 use bsdftree_generate::{Aperture, GenerateError, Generated, Options, Progress, Sides, Stop};
 use numpy::PyArray1;
 use pyo3::exceptions::PyRuntimeError;
@@ -15,91 +13,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::bsdf::Bsdf;
+use crate::device::Device;
 use crate::layout::{self, Klems};
 use crate::value_error;
-
-/// Geometry and materials.
-#[pyclass(frozen, module = "bsdftree")]
-pub struct Device(Arc<bsdftree_device::Device>);
-
-#[pymethods]
-impl Device {
-    #[staticmethod]
-    fn _read_rad(py: Python<'_>, paths: Vec<PathBuf>, unit: &str) -> PyResult<Device> {
-        let unit = Unit::from_str(unit).map_err(value_error)?;
-        let device = py.detach(|| bsdftree_device::Device::read_rad(&paths, unit)).map_err(value_error)?;
-        Ok(Device(Arc::new(device)))
-    }
-
-    #[staticmethod]
-    fn _parse_rad(text: &str, directory: PathBuf, unit: &str) -> PyResult<Device> {
-        let unit = Unit::from_str(unit).map_err(value_error)?;
-        let device = bsdftree_device::Device::parse_rad(text, "text", Path::new(&directory), unit)
-            .map_err(value_error)?;
-        Ok(Device(Arc::new(device)))
-    }
-
-    #[staticmethod]
-    fn _from_spec(spec: &str) -> PyResult<Device> {
-        Ok(Device(Arc::new(bsdftree_device::Device::from_spec(spec).map_err(value_error)?)))
-    }
-
-    fn _turned_up(&self, up: &str) -> PyResult<Device> {
-        Ok(Device(Arc::new(self.0.turned_up(Up::from_str(up).map_err(value_error)?))))
-    }
-
-    /// The device as a Radiance scene in metres.
-    fn to_rad(&self) -> String {
-        self.0.to_rad()
-    }
-
-    #[getter]
-    fn n_surfaces(&self) -> usize {
-        self.0.surfaces.len()
-    }
-
-    #[getter]
-    fn warnings(&self) -> Vec<String> {
-        self.0.warnings.clone()
-    }
-
-    /// Corners of one period \[m\], or None if the device is not known to be periodic.
-    #[getter]
-    fn tile(&self) -> Option<[[f64; 3]; 2]> {
-        self.0.tile.map(|b| b.map(|p| p.to_array()))
-    }
-
-    /// Corners of the bounding box \[m\], or None for an empty device.
-    #[getter]
-    fn bounds(&self) -> Option<[[f64; 3]; 2]> {
-        self.0.bounds().map(|b| b.map(|p| p.to_array()))
-    }
-
-    fn __repr__(&self) -> String {
-        format!("<Device of {} surfaces>", self.0.surfaces.len())
-    }
-}
-
-/// The parametric devices: name, summary, drawing, and name, unit, default, range, meaning of each parameter.
-#[pyfunction]
-pub fn device_families(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
-    parametric::families()
-        .iter()
-        .map(|family| {
-            let dict = PyDict::new(py);
-            dict.set_item("name", family.name)?;
-            dict.set_item("summary", family.summary)?;
-            dict.set_item("drawing", family.drawing)?;
-            let parameters: Vec<_> = family
-                .parameters
-                .iter()
-                .map(|p| (p.name, p.unit, p.default_text(), p.range_text(), p.meaning))
-                .collect();
-            dict.set_item("parameters", parameters)?;
-            Ok(dict)
-        })
-        .collect()
-}
 
 type Outcome = Result<Generated, GenerateError>;
 

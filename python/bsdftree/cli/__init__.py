@@ -7,6 +7,7 @@ import click
 from bsdftree import __version__
 from bsdftree.cli.check import check
 from bsdftree.cli.eval import eval_
+from bsdftree.cli.genbsdf import genbsdf
 from bsdftree.cli.generate import generate
 from bsdftree.cli.info import info
 from bsdftree.cli.plot import plot
@@ -22,6 +23,7 @@ def main() -> None:
     \b
     Typical use:
       bsdftree generate blinds.rad -o blinds.xml      device geometry to BSDF
+      bsdftree genbsdf -t4 5 blinds.rad > blinds.xml  the same by Radiance's command line
       bsdftree info blinds.xml                        what is in it
       bsdftree check blinds.xml                       does it obey physics
       bsdftree plot blinds.xml -o blinds.png          see it
@@ -31,5 +33,5 @@ def main() -> None:
     """
 
 
-for _verb in (generate, info, check, eval_, plot):
+for _verb in (generate, genbsdf, info, check, eval_, plot):
     main.add_command(_verb)

@@ -36,7 +36,7 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 
 
 @click.command()
-@click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE.rad]...")
+@click.argument("files", nargs=-1, type=click.Path(), metavar="[FILE]...")
 @click.option(
     "--device", "spec", metavar="SPEC", help="A parametric device, e.g. blinds:depth=0.05,spacing=0.04,angle=30."
 )
@@ -153,6 +153,47 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     help="Keep what was counted in this directory, new or empty at first. The same command goes on where it was "
     "interrupted, with the same result; a larger --samples goes on from what is there.",
 )
+@click.option(
+    "--materials",
+    multiple=True,
+    type=click.Path(),
+    metavar="FILE",
+    help="A Radiance file of materials for meshes; may be repeated.",
+)
+@click.option(
+    "--material",
+    "material_names",
+    multiple=True,
+    metavar="NAME=MODIFIER",
+    help="The modifier for a material's name in meshes, or =MODIFIER for what has none; may be repeated.",
+)
+@click.option(
+    "--engine",
+    type=click.Choice(["bsdftree", "radiance"]),
+    default="bsdftree",
+    show_default=True,
+    help="What traces: our tracer, or Radiance's rcontrib (pip install 'bsdftree[radiance]').",
+)
+@click.option(
+    "--rcontrib",
+    metavar="OPTIONS",
+    help="With --engine radiance: more options of rcontrib, e.g. '-ab 8 -ad 2000'; @FILE for those in a file.",
+)
+@click.option(
+    "--cull-percent",
+    type=click.FloatRange(0, 100, max_open=True),
+    default=90.0,
+    show_default=True,
+    metavar="P",
+    help="With --engine radiance: how much of a tree is culled.",
+)
+@click.option(
+    "--allow-command",
+    "allow_commands",
+    multiple=True,
+    metavar="NAME",
+    help="A program that commands (!NAME …) of scene files may run; may be repeated.",
+)
 @json_option
 @with_input_errors
 def generate(
@@ -183,12 +224,19 @@ def generate(
     seed: int,
     threads: int | None,
     checkpoint: str | None,
+    materials: tuple[str, ...],
+    material_names: tuple[str, ...],
+    engine: str,
+    rcontrib: str | None,
+    cull_percent: float,
+    allow_commands: tuple[str, ...],
     as_json: bool,
 ) -> None:
     """Ray-trace a device into a BSDF and write it as WINDOW 6 XML.
 
-    The device is one or more Radiance scene FILEs, or a parametric device (--device; see --list-devices). It
-    lies in z ≤ 0 with the room at +Z and up at +Y, as for Radiance's genBSDF.
+    The device is one or more FILEs, told apart by their endings (Radiance scenes, .mgf, .obj, .ply, .stl, .rtm,
+    .oct, and the geometry in a BSDF .xml), or a parametric device (--device; see --list-devices). It lies in z ≤ 0
+    with the room at +Z and up at +Y, as for Radiance's genBSDF.
 
     \b
     Examples:
@@ -197,6 +245,7 @@ def generate(
       bsdftree generate --device blinds:depth=0.05,spacing=0.04,angle=30 --log2-res 6 -o blinds.xml
       bsdftree generate --log2-res 7 --samples 16384 --checkpoint blinds.state blinds.rad -o blinds.xml
       bsdftree generate --klems full --unit inch --dim 0 40 0 40 -2 0 shade.rad -o shade.xml
+      bsdftree generate --engine radiance --klems full --samples 200 blinds.rad -o oracle.xml
     """
     if bool(files) == bool(spec):
         raise click.UsageError("give either scene files or --device (bsdftree generate --list-devices describes them)")
@@ -204,7 +253,23 @@ def generate(
         raise click.UsageError("--json describes what was written; say where to with -o")
     if klems is None and subdivide != "1":
         raise click.UsageError("--subdivide splits Klems patches; give --klems too")
-    device = Device.from_spec(spec) if spec else Device.read(*files, unit=unit)
+    if rcontrib is not None and engine != "radiance":
+        raise click.UsageError("--rcontrib is for --engine radiance")
+    device: Device | tuple[str, ...] = files
+    if spec:
+        device = Device.from_spec(spec)
+    elif engine == "bsdftree":
+        names = _names(material_names)
+        device = Device.read(
+            *files,
+            unit=unit,
+            materials=materials,
+            default_material=names.pop("", None),
+            material_names=names,
+            allow_commands=allow_commands,
+        )
+    elif materials or material_names:
+        raise click.UsageError("with --engine radiance, put the materials of a mesh into a Radiance scene")
     reports: list[GenerationReport] = []
     limit = samples if samples is not None else 2000 if tolerance is None and time_budget is None else None
     begin = time.perf_counter()
@@ -233,6 +298,10 @@ def generate(
             seed=seed,
             threads=threads,
             checkpoint=checkpoint,
+            engine=engine,  # type: ignore[arg-type]
+            rcontrib=shlex.split(rcontrib or ""),
+            cull_percent=cull_percent,
+            allow_commands=allow_commands,
             progress=bar.update,
             resumed=lambda where: _show_resumed(where, limit),
             report=reports.append,
@@ -257,6 +326,17 @@ def generate(
         _show(bsdf, output, report, seconds, tolerance)
         if checkpoint is not None:
             stderr.print(f"{checkpoint} keeps what was counted: more --samples go on from there", highlight=False)
+
+
+def _names(pairs: tuple[str, ...]) -> dict[str, str]:
+    """Modifiers by their names in meshes; that of what has none by an empty name."""
+    names = {}
+    for pair in pairs:
+        name, is_pair, modifier = pair.partition("=")
+        if not is_pair or not modifier:
+            raise click.UsageError(f"--material {pair}: expected NAME=MODIFIER or =MODIFIER")
+        names[name] = modifier
+    return names
 
 
 @contextmanager

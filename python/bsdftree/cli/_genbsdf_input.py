@@ -1,0 +1,94 @@
+"""What genBSDF is given, for either engine: something to trace, how large it is, and its geometry as MGF.
+
+Our tracer takes what our reader makes of the input; Radiance takes the scene itself, which may have what our reader
+does not know.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from bsdftree import Device
+from bsdftree._device import METERS
+from bsdftree._radiance.generation import scene_of
+from bsdftree._radiance.programs import run
+from bsdftree._radiance.rcontrib import bounds
+from bsdftree._radiance.scene import SceneText, scene_of_text
+from bsdftree.cli._genbsdf_words import Request
+
+
+@dataclass
+class Input:
+    """Something to trace.
+
+    Attributes
+    ----------
+    device
+        For ``generate``.
+    bounds
+        xmin, xmax, ymin, ymax, zmin, zmax in the unit of the input.
+    """
+
+    device: Device | SceneText
+    bounds: tuple[float, ...]
+
+    def mgf(self, unit: str) -> tuple[str, list[str]]:
+        """Return the geometry as MGF, and what MGF cannot say of it."""
+        if isinstance(self.device, Device):
+            return self.device.to_mgf(unit)
+        # rad2mgf reads files only.
+        with tempfile.TemporaryDirectory(prefix="bsdftree-") as folder:
+            path = Path(folder) / "device.rad"
+            path.write_bytes(self.device.text)
+            return run("rad2mgf", path, directories=self.device.directories).decode(errors="replace"), []
+
+
+def read_input(asked: Request, scene: bytes | None) -> Input:
+    """Read files, or what came by standard input.
+
+    Raises
+    ------
+    ValueError
+        If the input is not understood, or has no surfaces.
+    """
+    return _for_radiance(asked, scene) if asked.engine == "radiance" else _for_us(asked, scene)
+
+
+def _for_us(asked: Request, scene: bytes | None) -> Input:
+    if scene is not None:
+        device = Device.parse(
+            scene.decode(errors="replace"),
+            unit=asked.unit,
+            format="mgf" if asked.mgf else "rad",
+            allow_commands=asked.allow_commands,
+        )
+    else:
+        device = Device.read(
+            *asked.files,
+            unit=asked.unit,
+            format="mgf" if asked.mgf else None,
+            materials=asked.materials or (),
+            allow_commands=asked.allow_commands,
+        )
+    if device.bounds is None:
+        raise ValueError("the input has no surfaces")
+    corners = zip(*device.bounds, strict=True)
+    return Input(device, tuple(length / METERS[asked.unit] for corner in corners for length in corner))
+
+
+def _for_radiance(asked: Request, scene: bytes | None) -> Input:
+    if scene is None and not asked.mgf:
+        text, _ = scene_of(asked.files, asked.unit, asked.allow_commands)
+    elif asked.mgf:
+        files = asked.files
+        with tempfile.TemporaryDirectory(prefix="bsdftree-") as folder:
+            if scene is not None:
+                files = [os.path.join(folder, "input.mgf")]
+                Path(files[0]).write_bytes(scene)
+            text = scene_of_text(run("mgf2rad", *files), name="what mgf2rad writes")
+    else:
+        text = scene_of_text(scene or b"", asked.allow_commands, name="standard input")
+    return Input(text, bounds(text))
