@@ -153,6 +153,8 @@ fn materials_agree() {
         "ir 1.52 0\nrs .04 0\nts .96 0\nsides 1",
         "ir 1.5 0\nrd .4",
         "ir 1.5 0\nrd .4\nsides 2",
+        "rd .4\nsides 1",
+        "rd .3\ntd .2\nts .1 .1\nrs .05 .1\nsides 1",
         "c k =\ncxy .5 .4\nc l =\ncxy .2 .3\nc\ncmix .3 k .7 l\nrd .4",
         "c k =\ncxy .5 .4\nc l = k\nc m =\ncxy .2 .2\nc mix =\ncmix 1 k 2 l 3 m\nc\nc mix\nrd .4",
     ];

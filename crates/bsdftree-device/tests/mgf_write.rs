@@ -162,6 +162,18 @@ fn plain_devices_come_back_the_same() {
 }
 
 #[test]
+fn one_sided_surfaces_come_back() {
+    for material in ["rd .5", "rd 0", "td .4\nrs .05 .1"] {
+        let text = format!("v a =\nm x =\n{material}\nsides 1\nsph a 1\n");
+        let device = read(&text, Unit::Meter);
+        assert!(matches!(device.materials[0].material, Material::Mixture { .. }));
+        let mgf = device.to_mgf(Unit::Meter);
+        assert!(mgf.losses.is_empty() && mgf.text.contains("sides 1"), "{mgf:?}");
+        assert_eq!(read(&mgf.text, Unit::Meter).materials, device.materials);
+    }
+}
+
+#[test]
 fn materials_stay_apart_though_they_share_names() {
     let white = gloss(GlossKind::Plastic, DVec3::splat(0.8), 0.0, 0.0);
     let mut device = device_of(vec![white, Material::Black, gloss(GlossKind::Metal, DVec3::X, 0.2, 0.1)]);

@@ -15,6 +15,7 @@ use glam::DVec3;
 
 use super::color::{Color, towards_grey};
 use super::finish::{Diffuse, Finish, Specular};
+use super::sides;
 use crate::material::{Gloss, GlossKind, Material, Medium, transmissivity_from_transmittance};
 
 /// Radiance's material, and what to tell.
@@ -30,31 +31,33 @@ pub(super) const ONE_SIDED_THICKNESS: f64 = 0.005;
 const PALER: &str = "it is paler: its colour is too saturated to be so bright";
 const CLEAR: &str = "it is clear: it cannot transmit more, because of what its surfaces reflect";
 
-/// The material in metres, from a file whose unit of length is so long; the sum of what it reflects and transmits if that is
+/// The material of a name in metres, from a file whose unit of length is so long; the sum of what it reflects and transmits if that is
 /// more than 1.
-pub(super) fn describe(finish: &Finish, meters: f64) -> Result<Described, f64> {
+pub(super) fn describe(finish: &Finish, name: &str, meters: f64) -> Result<Described, f64> {
     let Finish { rd, td, rs, ts, .. } = *finish;
     let sum = rd.amount + td.amount + rs.amount + ts.amount;
     // Numbers are decimal; mgf2rad adds up those it rounded to single precision.
     if sum > 1.0 + 1e-6 {
         return Err(sum);
     }
-    let mut describer = Describer { finish, notices: Vec::new() };
+    let mut describer = Describer { finish, name, notices: Vec::new() };
     if finish.ed > 0.0 {
         describer.notices.push("its light is left out");
     }
-    let material = if finish.ed > 0.1 || sum == 0.0 {
+    let material = if finish.ed > 0.1 {
         Material::Black
+    } else if sum == 0.0 {
+        describer.sided(Material::Black)
     } else if is_nothing(finish) {
         Material::Void
     } else if let Some(transmittance) = describer.is_clear().then(|| ts.color.rgb(ts.amount)) {
         if finish.one_sided { describer.solid(transmittance, meters) } else { describer.pane(transmittance) }
     } else if td.amount + ts.amount > 0.0 {
-        describer.trans()
-    } else if is_plastic(rd, rs) {
-        describer.plastic()
+        let trans = describer.trans();
+        describer.sided(trans)
     } else {
-        describer.metal()
+        let opaque = if is_plastic(rd, rs) { describer.plastic() } else { describer.metal() };
+        describer.sided(opaque)
     };
     Ok(Described { material, notices: describer.notices })
 }
@@ -89,6 +92,7 @@ fn is_plastic(rd: Diffuse, rs: Specular) -> bool {
 
 struct Describer<'a> {
     finish: &'a Finish,
+    name: &'a str,
     notices: Vec<&'static str>,
 }
 
@@ -122,6 +126,14 @@ impl Describer<'_> {
         // rad2mgf forgets a square, so panes that absorb reflect more there.
         let rad2mgf = |t: f64| r * (1.0 + (1.0 - 2.0 * r) * t) / (1.0 - (r * t).powi(2));
         near(luminance(&|t| pane_reflectance(r, t)), luminance(&rad2mgf))
+    }
+
+    /// As many sides as it has; those of a clear solid are what bounds it.
+    fn sided(&self, material: Material) -> Material {
+        match &self.finish.at {
+            Some(at) if self.finish.one_sided => sides::front_only(material, self.name, at),
+            _ => material,
+        }
     }
 
     fn pane(&mut self, transmittance: DVec3) -> Material {

@@ -9,7 +9,7 @@
 //! [`scene`] (includes), [`piece`] (holes, normals, tori), [`material`], [`color`], [`entity`] (names).
 //!
 //! Modules in the order in which data flows: [`source`] → [`entity`] → [`context`]; colours and materials: [`observer`] → [`color`] →
-//! [`palette`] → [`finish`] → [`mod@material`]; surfaces: [`piece`] → [`geometry`], [`frame`] → [`place`]; all together in [`scene`]; back to
+//! [`palette`] → [`finish`] → [`mod@material`] ([`sides`]); surfaces: [`piece`] → [`geometry`], [`frame`] → [`place`]; all together in [`scene`]; back to
 //! text: [`mod@write`] with `write_material`.
 
 pub(crate) mod color;
@@ -24,6 +24,7 @@ mod palette;
 mod piece;
 mod place;
 mod scene;
+mod sides;
 mod source;
 mod write;
 mod write_material;

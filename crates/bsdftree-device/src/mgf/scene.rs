@@ -261,7 +261,7 @@ impl Scene {
         let finish = self.finishes.current();
         let name = self.finishes.name().unwrap_or("mat").to_owned();
         let defined_at = finish.at.clone().unwrap_or_else(|| at.clone());
-        let described = material::describe(finish, self.options.unit.meters()).map_err(|sum| {
+        let described = material::describe(finish, &name, self.options.unit.meters()).map_err(|sum| {
             let expected = format!("rd + td + rs + ts of at most 1 in material \"{name}\"");
             unexpected(
                 &defined_at,

@@ -9,6 +9,7 @@ use std::fmt::{self, Write};
 use glam::DVec3;
 
 use super::material::{ONE_SIDED_THICKNESS, chromaticity, fresnel, pane_reflectance};
+use super::sides::of_front_only;
 use crate::material::{Gloss, GlossKind, Material, Medium};
 
 /// Writes the entities after `m name =`; what is lost.
@@ -48,6 +49,10 @@ pub(super) fn write_material(
             diffuse(to, "td", brtd.diffuse_transmission)?;
         }
         Material::Mixture { foreground, .. } => {
+            if let Some(front @ (Material::Gloss(_) | Material::Black)) = of_front_only(material) {
+                writeln!(to, "\tsides 1")?;
+                return write_material(to, front, meters);
+            }
             lost.push("that it is mixed with another material");
             lost.extend(write_material(to, foreground, meters)?);
         }

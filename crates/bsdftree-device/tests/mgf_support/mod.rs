@@ -81,7 +81,14 @@ pub fn made(scene: &str) -> Vec<Made> {
     for mut p in primitives(scene) {
         match &*p.kind {
             "polygon" | "sphere" | "bubble" | "cylinder" | "tube" | "cone" | "cup" | "ring" => {
-                let modifier = in_force.get(&p.modifier).cloned();
+                let modifier = match in_force.get(&p.modifier) {
+                    // One-sided: mgf2rad of Radiance 6.1 has no mixture for it.
+                    Some(mix) if mix.kind == "mixfunc" && mix.strings[1..3] == ["void", "if(Rdot,1,0)"] => {
+                        let front = in_force.get(&mix.strings[0]).cloned();
+                        front.map(|front| Primitive { name: mix.name.clone(), ..front })
+                    }
+                    modifier => modifier.cloned(),
+                };
                 let (material, texture) = match modifier {
                     Some(t) if t.kind == "texfunc" => (in_force.get(&t.modifier).cloned(), Some(t)),
                     material => (material, None),
