@@ -74,7 +74,7 @@ def _for_us(asked: Request, scene: bytes | None) -> Input:
             allow_commands=asked.allow_commands,
         )
     if device.bounds is None:
-        raise ValueError("the input has no surfaces")
+        raise ValueError("; ".join(["the input has no surfaces", *device.warnings[:3]]))
     corners = zip(*device.bounds, strict=True)
     return Input(device, tuple(length / METERS[asked.unit] for corner in corners for length in corner))
 
