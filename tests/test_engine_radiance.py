@@ -112,6 +112,21 @@ def test_colour_is_ours(scene):
         np.testing.assert_allclose(a / a[:, 1:2], b / b[:, 1:2], rtol=0.02)
 
 
+def test_culling_does_not_bleach(scene):
+    """genBSDF takes white for the colour of dark cells, and merges that with the peaks beside them."""
+    path = scene(TINTED)
+    i = bsdftree.direction_from_polar([10, 40, 60], [0, 50, 100])
+    for rank in (3, 4):
+        bsdf, _ = theirs(path, rank=rank, log2_res=3, samples=64, color=True, sides="front")
+        u, _ = bsdf.chroma_of()["transmission_back"]
+        x, y, z = bsdf.eval(i, -i, color=True).T
+        transmitted = np.array(bsdftree._core.XYZ_FROM_RGB) @ np.array([0.9, 0.6, 0.3])
+        # Bleached, z / y would be nearly 1.
+        np.testing.assert_allclose(x / y, transmitted[0] / transmitted[1], rtol=0.03)
+        np.testing.assert_allclose(z / y, transmitted[2] / transmitted[1], rtol=0.2)
+        assert u.n_leaves < 8**rank / 4
+
+
 def test_errors_are_those_that_runs_have(scene):
     """Standard errors of totals describe the scatter of runs with other seeds."""
     path = scene(BLINDS)

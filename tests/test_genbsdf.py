@@ -187,7 +187,7 @@ def test_a_killed_run_is_recovered(tmp_path):
     (tmp_path / "slats.rad").write_text(SLATS)
     (tmp_path / "temporary").mkdir()
     environment = os.environ | {"TMPDIR": str(tmp_path / "temporary")}
-    words = [sys.executable, "-m", "bsdftree", "genbsdf", "-t4", "4", "-c", "2048", "-geom", "meter"]
+    words = [sys.executable, "-m", "bsdftree", "genbsdf", "-t4", "4", "-c", "512", "-geom", "meter"]
     process = subprocess.Popen(
         words, cwd=tmp_path, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment
     )

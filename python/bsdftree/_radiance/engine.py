@@ -7,8 +7,9 @@ of our own tracer (genBSDF has a jittered grid); glow sources of half the sky ca
 rays are dealt to 8 replicates, whose scatter is the error. Trees are reduced by Radiance's rttree_reduce, or kept.
 
 Deviations from genBSDF: both transmissions are kept at rank 4; rank 3 is the mean over 8 azimuths, where genBSDF takes
-the plane of X and Z; colour is 1931 XYZ from Radiance's primaries to full precision. Radiance's random numbers differ
-in each run, and so do results. Lengths are Radiance's as they stand: a unit only names them.
+the plane of X and Z; colour is 1931 XYZ from Radiance's primaries to full precision, and is not bleached by dark cells.
+Radiance's random numbers differ in each run, and so do results. Lengths are Radiance's as they stand: a unit only names
+them.
 """
 
 from __future__ import annotations
@@ -249,7 +250,8 @@ def _functions(key: str, counts: _Counts, areas: NDArray[np.float64], job: Job) 
     """Make a component: its luminance, and its chroma if colour is kept."""
     values = [(mean / areas).astype(np.float32) for mean in counts.mean]
     if job.rank and job.color:
-        values = [values[0], *_chroma(*values)]
+        n = 1 << job.log2_res
+        values = [values[0], *_chroma(values, (n,) * 4 if job.rank == 4 else (n // 2, n, n))]
     if not job.rank or job.cull_percent is None:
         return [job.layout.function(v.ravel()) for v in values]
     average = job.average and (job.rank == 3 or key.startswith("reflection"))
@@ -258,15 +260,25 @@ def _functions(key: str, counts: _Counts, areas: NDArray[np.float64], job: Job) 
     return [reduced(v, job.rank, job.log2_res, p, average=average) for v, p in zip(values, culls, strict=False)]
 
 
-def _chroma(y: Array, x: Array, z: Array) -> tuple[Array, Array]:
-    """CIE 1976 u′ and v′; those of white where there is no light."""
-    sum_of = x + 15 * y + 3 * z
-    lit = y > 0
-    safe = np.where(lit, sum_of, 1)
-    return (
-        np.where(lit, 4 * x / safe, 4 / 19).astype(np.float32),
-        np.where(lit, 9 * y / safe, 9 / 19).astype(np.float32),
-    )
+def _chroma(values: list[Array], shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """CIE 1976 u′ and v′; where there is no light, of the smallest cell around it of a coarser tree that has light.
+
+    genBSDF takes white there, and its reducer bleaches what it merges with it.
+    """
+    xyz = np.stack([values[k].reshape(shape) for k in (1, 0, 2)]).astype(np.float64)
+    lit = xyz.copy()
+    size = 1
+    while size < max(shape) and not (lit[1] > 0).all():
+        size *= 2
+        blocks = [max(1, n // size) for n in shape]
+        split = [w for n, m in zip(shape, blocks, strict=True) for w in (m, n // m)]
+        sums = xyz.reshape(3, *split).sum(axis=tuple(range(2, 2 + 2 * len(shape), 2)), keepdims=True)
+        around = np.broadcast_to(sums, (3, *split)).reshape(3, *shape)
+        lit = np.where(lit[1] > 0, lit, around)
+    sum_of = lit[0] + 15 * lit[1] + 3 * lit[2]
+    safe = np.where(sum_of > 0, sum_of, 19.0)
+    u, v = np.where(sum_of > 0, 4 * lit[0], 4) / safe, np.where(sum_of > 0, 9 * lit[1], 9) / safe
+    return u.astype(np.float32), v.astype(np.float32)
 
 
 def _incident_areas(job: Job, areas: NDArray[np.float64]) -> NDArray[np.float64]:
