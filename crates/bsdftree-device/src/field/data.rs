@@ -151,7 +151,7 @@ impl PartialEq for DataArray {
 
 impl fmt::Debug for DataArray {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "DataArray({:?}, {:016x})", self.file.path, self.file.digest)
+        write!(f, "DataArray({:016x})", self.file.digest)
     }
 }
 

@@ -74,7 +74,7 @@ impl PartialEq for Picture {
 
 impl fmt::Debug for Picture {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Picture({:?}, {:016x})", self.file.path, self.file.digest)
+        write!(f, "Picture({:016x})", self.file.digest)
     }
 }
 

@@ -5,6 +5,7 @@
 //! reference manual ("Function files"). Deviation: `S` and lengths know of the unit that the scene is in, since devices are
 //! in metres; so functions see what they do in Radiance.
 
+use std::fmt;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -37,8 +38,8 @@ pub struct RayState {
     pub color: DVec3,
 }
 
-/// The file that holds functions.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A file that a device needs. Equal, and the same to look at, if its content is.
+#[derive(Clone)]
 pub struct File {
     /// As it was found; `.` for no file.
     pub path: Arc<str>,
@@ -57,8 +58,8 @@ pub struct Origin {
     pub at: Place,
 }
 
-/// Coordinates and arguments of functions.
-#[derive(Clone, Debug)]
+/// Coordinates and arguments of functions. Where they were written does not matter to equality, nor to how they look.
+#[derive(Clone)]
 pub struct Space {
     /// What the functions belong to.
     pub origin: Origin,
@@ -74,12 +75,36 @@ pub struct Space {
     pub unit: f64,
 }
 
+impl PartialEq for File {
+    fn eq(&self, other: &File) -> bool {
+        self.digest == other.digest
+    }
+}
+
+impl fmt::Debug for File {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "File({:016x})", self.digest)
+    }
+}
+
 impl PartialEq for Space {
-    /// Where it was written does not matter.
     fn eq(&self, other: &Space) -> bool {
         (&self.file, &self.arguments, &self.function_from_device)
             == (&other.file, &other.arguments, &other.function_from_device)
             && (self.scale, self.unit) == (other.scale, other.unit)
+    }
+}
+
+impl fmt::Debug for Space {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let numbers: Vec<f64> = self.function_from_device.to_cols_array().to_vec();
+        f.debug_struct("Space")
+            .field("file", &self.file)
+            .field("arguments", &self.arguments)
+            .field("function_from_device", &numbers)
+            .field("scale", &self.scale)
+            .field("unit", &self.unit)
+            .finish()
     }
 }
 

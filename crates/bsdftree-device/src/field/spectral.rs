@@ -3,18 +3,18 @@
 //! In: `spectrum` (samples at even wavelengths), `specfile` (a data file of one dimension), `specfunc` (a function of the
 //! wavelength and of the place). Out: [`Spectral`], wavelengths and values, which multiply what a material reflects and
 //! transmits. A tracer that carries bands takes its means over them; one that carries RGB takes [`Spectral::rgb`], as
-//! Radiance does when it traces with three samples. Source: Radiance's reference manual ("Patterns").
+//! Radiance does. Source: Radiance's reference manual ("Patterns").
 
 use std::sync::Arc;
 
+use bsdftree::color::rgb_from_xyz;
 use glam::DVec3;
 
 use super::FieldError;
 use super::formula::Call;
 use super::space::{File, RayState, Seen, Space};
-
-/// Wavelengths of the long and of the short end of Radiance's colours \[nm\].
-const VISIBLE_NM: [f64; 2] = [380.0, 780.0];
+use crate::mgf::color::towards_grey;
+use crate::mgf::observer;
 
 /// A factor that depends on the wavelength.
 ///
@@ -62,11 +62,22 @@ impl Spectral {
         parts.sum::<f64>() / (to - from)
     }
 
-    /// Red, green and blue as Radiance has them when it traces with three samples: means over equal thirds of 380–780 nm.
+    /// Red, green and blue in Radiance's primaries: those of X, Y, Z by the CIE 1931 observer under light of equal energy, moved
+    /// towards grey of the same luminance as far as one of them would be negative.
     pub fn rgb(&self) -> [f64; 3] {
-        let [short, long] = VISIBLE_NM;
-        let third = (long - short) / 3.0;
-        [2.0, 1.0, 0.0].map(|k| self.mean([short + k * third, short + (k + 1.0) * third]))
+        let n = self.values.len();
+        let first = self.interval_nm(0)[0];
+        let value = |nm: f64| {
+            // The first interval that reaches so far; ends of intervals ascend.
+            let (mut k, mut beyond) = (0, n);
+            while k < beyond {
+                let middle = (k + beyond) / 2;
+                if self.interval_nm(middle)[1] < nm { k = middle + 1 } else { beyond = middle }
+            }
+            if nm < first { 0.0 } else { self.values.get(k).copied().unwrap_or(0.0) }
+        };
+        let xyz = observer::xyz(value);
+        towards_grey(rgb_from_xyz(xyz).into(), xyz[1], 0.0..=f64::INFINITY).to_array()
     }
 }
 
@@ -119,13 +130,12 @@ mod tests {
 
     #[test]
     fn what_is_not_covered_is_black() {
-        // 10 nm each, from 645 to 655 nm: in the red third, from 646.67 nm on, and a little of the green one.
         let line = Spectral::new(vec![650.0, 640.0], vec![1.0, 0.0]).unwrap();
+        assert_eq!(line.mean([655.0, 700.0]), 0.0);
+        assert!((line.mean([640.0, 660.0]) - 0.5).abs() < 1e-12);
         let [r, g, b] = line.rgb();
-        let third = 400.0 / 3.0;
-        assert!((r - (655.0 - (380.0 + 2.0 * third)) / third).abs() < 1e-12, "{r}");
-        assert!((g - (380.0 + 2.0 * third - 645.0) / third).abs() < 1e-12, "{g}");
-        assert_eq!(b, 0.0);
+        // A red line is outside of the primaries' triangle.
+        assert!(r > 0.01 && (0.0..1e-3).contains(&g.min(b)), "{r} {g} {b}");
     }
 
     #[test]

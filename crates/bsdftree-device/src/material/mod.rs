@@ -16,6 +16,9 @@ pub use function::{BrtdFunction, FunctionGloss};
 pub use modifier::Modifier;
 
 /// A material, with the parameters of Radiance's reference manual.
+///
+/// Its debug form tells all that matters to light and nothing else: numbers exactly, files by a digest of their content, no places
+/// and no names; devices are told apart by it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Material {
     /// `void`: the surface is not there; rays pass through.
@@ -75,6 +78,19 @@ pub enum Material {
 }
 
 impl Material {
+    /// Whether it is the same all over a surface, and made of numbers alone.
+    pub fn is_constant(&self) -> bool {
+        matches!(
+            self,
+            Material::Void
+                | Material::Black
+                | Material::Gloss(_)
+                | Material::Glass { .. }
+                | Material::Dielectric { .. }
+                | Material::Mirror { .. }
+        )
+    }
+
     /// The same in a device that is turned by a rotation.
     pub fn turned(&self, turn: &dyn Fn(DVec3) -> DVec3) -> Material {
         let boxed = |material: &Material| Box::new(material.turned(turn));

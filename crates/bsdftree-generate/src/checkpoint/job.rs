@@ -6,7 +6,8 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use bsdftree_device::Device;
+use bsdftree_device::field::digest;
+use bsdftree_device::{Device, Material, Shape};
 
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
@@ -44,7 +45,7 @@ impl Job {
             ("aperture", format!("{:?} to {:?} m", aperture.min, aperture.max)),
             ("seed", options.seed.to_string()),
         ];
-        Job { entries, device: nameless(device).to_rad() }
+        Job { entries, device: described(device) }
     }
 
     pub fn text(&self) -> String {
@@ -119,6 +120,27 @@ fn layout(layout: &Layout) -> String {
             format!("Klems basis of {} patches in rings {}", basis.n_patches(), rings.join(" "))
         }
     }
+}
+
+/// The device as text. Materials that scenes name files for, and what is smooth about meshes, are told by their content, not
+/// by where it is.
+fn described(device: &Device) -> String {
+    let mut device = nameless(device);
+    let mut more = String::new();
+    for named in device.materials.iter_mut().filter(|named| !named.material.is_constant()) {
+        let material = std::mem::replace(&mut named.material, Material::Void);
+        // Writing to a String cannot fail.
+        let _ = writeln!(more, "{} is {material:?}", named.name);
+    }
+    for (k, surface) in device.surfaces.iter().enumerate() {
+        if let Shape::Mesh(mesh) = &surface.shape {
+            let normals = mesh.vertices.normals.iter().flat_map(|n| n.to_array());
+            let numbers = normals.chain(mesh.vertices.uvs.iter().flat_map(|uv| uv.to_array()));
+            let bytes: Vec<u8> = numbers.flat_map(|x| x.to_bits().to_le_bytes()).collect();
+            let _ = writeln!(more, "surface {k} is smooth and placed as {:016x}", digest(&bytes));
+        }
+    }
+    device.to_rad() + &more
 }
 
 /// The device with its materials named in the order of their use, and nothing else named: names do not matter to light.

@@ -1,0 +1,145 @@
+//! Radiance scenes of one surface, given to `rtrace` and to us.
+
+use std::f64::consts::TAU;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use bsdftree_device::field::RayState;
+use bsdftree_device::{Device, Material, ReadOptions, Unit};
+use glam::DVec3;
+
+use crate::radiance::programs;
+
+/// Files in a directory of their own.
+pub struct Scene {
+    pub folder: tempfile::TempDir,
+}
+
+/// A surface in the plane z = 0, seen from its front.
+#[derive(Clone, Copy, Debug)]
+pub enum Plane {
+    /// Its normal is +z.
+    Up,
+    /// Its normal is −z.
+    Down,
+}
+
+impl Plane {
+    pub fn normal(self) -> DVec3 {
+        match self {
+            Plane::Up => DVec3::Z,
+            Plane::Down => DVec3::NEG_Z,
+        }
+    }
+
+    /// The primitive, large enough for all rays.
+    pub fn polygon(self) -> &'static str {
+        match self {
+            Plane::Up => "m polygon p 0 0 12 -99 -99 0 99 -99 0 99 99 0 -99 99 0\n",
+            Plane::Down => "m polygon p 0 0 12 -99 99 0 99 99 0 99 -99 0 -99 -99 0\n",
+        }
+    }
+}
+
+impl Scene {
+    pub fn new(files: &[(&str, &str)]) -> Scene {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        Scene { folder }
+    }
+
+    /// What a program prints; its standard error if it fails.
+    pub fn run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Result<Vec<u8>, String> {
+        let programs = programs().expect("asked before");
+        let mut child = Command::new(programs.join(program))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .env("PATH", programs)
+            .env("RAYPATH", format!(".:{}", programs.with_file_name("lib").display()))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut stdin = child.stdin.take().unwrap();
+        let input = input.to_vec();
+        let writer = std::thread::spawn(move || stdin.write_all(&input));
+        let output = child.wait_with_output().unwrap();
+        let _ = writer.join().unwrap();
+        match output.status.success() {
+            true => Ok(output.stdout),
+            false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
+        }
+    }
+
+    /// Triples that rtrace gives for rays through a scene text.
+    pub fn rtrace(&self, text: &str, arguments: &[&str], rays: &[RayState]) -> Vec<DVec3> {
+        std::fs::write(self.folder.path().join("scene.rad"), text).unwrap();
+        let octree = self.run("oconv", &["scene.rad"], b"").unwrap_or_else(|e| panic!("{e}\n{text}"));
+        std::fs::write(self.folder.path().join("scene.oct"), octree).unwrap();
+        let input: String = rays
+            .iter()
+            .map(|ray| {
+                let o = ray.position - ray.direction * ray.distance;
+                let d = ray.direction;
+                format!("{:?} {:?} {:?} {:?} {:?} {:?}\n", o.x, o.y, o.z, d.x, d.y, d.z)
+            })
+            .collect();
+        let all = [&["-h", "-fad"], arguments, &["scene.oct"]].concat();
+        let bytes = self.run("rtrace", &all, input.as_bytes()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let doubles: Vec<f64> =
+            bytes.chunks_exact(8).map(|b| f64::from_ne_bytes(b.try_into().unwrap())).collect();
+        doubles.chunks_exact(3).map(DVec3::from_slice).collect()
+    }
+
+    /// Our reading of a scene text; its first material.
+    pub fn material(&self, text: &str, unit: Unit) -> Material {
+        let library = programs().map(|programs| programs.with_file_name("lib"));
+        let options =
+            ReadOptions { unit, search: Some(library.into_iter().collect()), ..ReadOptions::default() };
+        let device = Device::parse_rad(text, "scene.rad", self.folder.path(), options);
+        device.unwrap_or_else(|e| panic!("{e}\n{text}")).materials[0].material.clone()
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Rays to the plane from its front, spread evenly enough: lengths in the scene's unit.
+pub fn rays(plane: Plane, n: u32) -> Vec<RayState> {
+    let fraction = |k: u32, step: f64| (0.5 + f64::from(k) * step).fract();
+    (0..n)
+        .map(|k| {
+            // Additive recurrences of the roots of x⁶ = x + 1 and the like.
+            let [u, v, s, t, w] =
+                [0.8191725134, 0.6710436067, 0.5497004779, 0.4503069, 0.3688776].map(|a| fraction(k, a));
+            let (height, phi) = (0.15 + 0.85 * u, TAU * v);
+            let radius = (1.0 - height * height).sqrt();
+            let normal = plane.normal();
+            let direction = DVec3::new(radius * phi.cos(), radius * phi.sin(), 0.0) - normal * height;
+            let position = DVec3::new(4.0 * s - 2.0, 4.0 * t - 2.0, 0.0);
+            let distance = 0.5 + 3.0 * w;
+            RayState {
+                direction,
+                normal,
+                position,
+                distance,
+                traveled: distance,
+                uv: [0.0; 2],
+                perturbed_normal: normal,
+                perturbed_cosine: height,
+                color: DVec3::ONE,
+            }
+        })
+        .collect()
+}
+
+/// The same ray in metres.
+pub fn scaled(ray: &RayState, unit: Unit) -> RayState {
+    let m = unit.meters();
+    RayState { position: ray.position * m, distance: ray.distance * m, traveled: ray.traveled * m, ..*ray }
+}
