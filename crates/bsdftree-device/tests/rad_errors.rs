@@ -79,8 +79,7 @@ fn unsupported_modifiers_are_errors_where_they_are_used_only() {
             "void mixtext stripes 4 white void helvet.fnt text 0 9 0 0 0 1 0 0 0 -1 0",
             "mixture 'mixtext' (modifier \"stripes\")",
         ),
-        ("void BSDF stripes 6 0 f.xml 0 1 0 . 0 0", "material type 'BSDF' (modifier \"stripes\")"),
-        ("void antimatter stripes 1 white 0 0", "material type 'antimatter' (modifier \"stripes\")"),
+        ("void mist stripes 0 0 0", "material type 'mist' (modifier \"stripes\")"),
     ] {
         let library = format!("{definition}\nstripes plastic m 0 0 5 .1 .1 .1 0 0");
         assert!(

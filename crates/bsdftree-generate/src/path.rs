@@ -4,6 +4,7 @@
 //! are ended at random and the survivors carry their share (Russian roulette, J. Arvo and D. Kirk, SIGGRAPH 1990).
 //! A path that meets nothing more has left, whichever way it goes: receivers are at infinity, as in Radiance's genBSDF.
 
+mod antimatter;
 mod wave;
 
 use std::sync::Arc;
@@ -16,6 +17,7 @@ use crate::random::Random;
 use crate::scatter::{Faults, Meeting, PreparedMaterial, Scatter, Spectrum, attenuation};
 use crate::tile::Tile;
 
+use antimatter::{Seen, Volumes, Within};
 pub use wave::Departure;
 
 /// Luminous weight under which a path has to survive the roulette.
@@ -29,8 +31,10 @@ const MAX_BOUNCES: u32 = 10_000;
 pub struct Scene<S> {
     bvh: Bvh,
     materials: Vec<PreparedMaterial<S>>,
-    /// Whether all materials are plain and no surface is a smooth mesh.
+    /// Whether all materials are plain, no surface is a smooth mesh, and there is no antimatter.
     is_plain: bool,
+    /// Where materials are not there, if the device has antimatter.
+    volumes: Option<Volumes>,
     faults: Arc<Faults>,
 }
 
@@ -53,9 +57,11 @@ impl<S: Spectrum> Scene<S> {
         let materials: Vec<_> = device.materials.iter().map(prepared).collect();
         let is_smooth =
             |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if !mesh.vertices.normals.is_empty());
-        let is_plain = materials.iter().all(PreparedMaterial::is_plain)
+        let volumes = Volumes::new(device);
+        let is_plain = volumes.is_none()
+            && materials.iter().all(PreparedMaterial::is_plain)
             && !device.surfaces.iter().any(|surface| is_smooth(&surface.shape));
-        Ok(Scene { bvh: Bvh::build(device)?, materials, is_plain, faults })
+        Ok(Scene { bvh: Bvh::build(device)?, materials, is_plain, volumes, faults })
     }
 
     /// What went wrong at surfaces so far: after a failure, no path is right.
@@ -171,12 +177,30 @@ impl<S: Spectrum> Scene<S> {
     /// [`meet`](Self::meet) for any material and any surface.
     #[inline(never)]
     fn meet_varying(&self, path: &mut Path<S>, hit: &Hit, random: &mut Random) -> Met<S> {
-        let material = &self.materials[hit.material as usize];
         let meeting = Meeting::of(&self.bvh, &path.ray, hit, path.traveled);
         path.traveled = meeting.traveled;
-        let scatter = material.scatter(&meeting, random);
-        let after = scatter.and_then(|s| material.medium(&meeting, hit.front != s.transmitted));
-        Met { before: material.medium(&meeting, hit.front), scatter, after }
+        let Some(volumes) = &self.volumes else { return self.meet_as(hit.material, &meeting, random) };
+        let within = path.within.get_or_insert_with(|| Box::new(volumes.outside()));
+        let met = match volumes.meet(within, hit) {
+            Seen::Nothing => {
+                let scatter = Scatter { direction: meeting.incoming, weight: S::WHITE, transmitted: true };
+                Met { before: None, scatter: Some(scatter), after: None }
+            }
+            Seen::Surface => self.meet_as(hit.material, &meeting, random),
+            Seen::Skin(material) => self.meet_as(material, &meeting.turned_over(), random),
+        };
+        if met.scatter.is_some_and(|s| s.transmitted) {
+            volumes.pass(within, hit);
+        }
+        met
+    }
+
+    fn meet_as(&self, material: u32, meeting: &Meeting, random: &mut Random) -> Met<S> {
+        let material = &self.materials[material as usize];
+        let front = meeting.is_front();
+        let scatter = material.scatter(meeting, random);
+        let after = scatter.and_then(|s| material.medium(meeting, front != s.transmitted));
+        Met { before: material.medium(meeting, front), scatter, after }
     }
 }
 
@@ -189,13 +213,15 @@ struct Path<S> {
     /// Its length so far \[m\].
     traveled: f64,
     bounces: u32,
+    /// What it is inside of, once it has met something in a device with antimatter.
+    within: Option<Box<Within>>,
 }
 
 impl<S: Spectrum> Path<S> {
     #[inline(always)]
     fn new(origin: DVec3, direction: DVec3) -> Path<S> {
         let ray = Ray { origin, direction, from: None };
-        Path { ray, weight: S::WHITE, medium: None, traveled: 0.0, bounces: 0 }
+        Path { ray, weight: S::WHITE, medium: None, traveled: 0.0, bounces: 0, within: None }
     }
 
     /// `None`, unless this was the last bounce allowed.

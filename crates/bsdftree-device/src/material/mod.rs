@@ -3,8 +3,14 @@
 //! These are descriptions only; how a ray scatters from them is `bsdftree_generate::scatter`.
 //! Colours are linear RGB in Radiance's primaries, each in [0, 1] unless said otherwise.
 
+mod antimatter;
+mod ashikhmin;
+mod bsdf;
 mod function;
 mod modifier;
+mod orientation;
+mod prism;
+mod wgmd;
 
 use std::sync::Arc;
 
@@ -12,8 +18,14 @@ use glam::DVec3;
 
 use crate::field::Field;
 
+pub use antimatter::Antimatter;
+pub use ashikhmin::Ashikhmin;
+pub use bsdf::{BsdfFile, Measured};
 pub use function::{BrtdFunction, FunctionGloss};
 pub use modifier::Modifier;
+pub use orientation::Orientation;
+pub use prism::{Prism, Redirection};
+pub use wgmd::{PartModifiers, Wgmd};
 
 /// A material, with the parameters of Radiance's reference manual.
 ///
@@ -57,6 +69,16 @@ pub enum Material {
     Function(Arc<FunctionGloss>),
     /// `BRTDfunc`.
     Brtd(Arc<BrtdFunction>),
+    /// `BSDF`, `aBSDF`.
+    Measured(Arc<Measured>),
+    /// `ashik2`.
+    Ashikhmin(Ashikhmin),
+    /// `WGMDfunc`.
+    Wgmd(Arc<Wgmd>),
+    /// `prism1`, `prism2`.
+    Prism(Arc<Prism>),
+    /// `antimatter`; never inside another material.
+    Antimatter(Antimatter),
     /// `mixfunc`, `mixdata`, `mixpict` of materials.
     Mixture {
         /// How much of the foreground, in [0, 1] once it is limited to that.
@@ -109,6 +131,16 @@ impl Material {
                 let space = Arc::new(brtd.space.turned(turn));
                 Material::Brtd(Arc::new(BrtdFunction { space, ..BrtdFunction::clone(brtd) }))
             }
+            Material::Measured(measured) => {
+                let up = measured.up.turned(turn);
+                Material::Measured(Arc::new(Measured { up, ..Measured::clone(measured) }))
+            }
+            Material::Ashikhmin(ashikhmin) => Material::Ashikhmin(Ashikhmin {
+                orientation: ashikhmin.orientation.turned(turn),
+                ..ashikhmin.clone()
+            }),
+            Material::Wgmd(wgmd) => Material::Wgmd(Arc::new(wgmd.turned(turn))),
+            Material::Prism(prism) => Material::Prism(Arc::new(prism.turned(turn))),
             Material::Mixture { amount, foreground, background } => Material::Mixture {
                 amount: Arc::new(amount.turned(turn)),
                 foreground: boxed(foreground),
@@ -123,7 +155,8 @@ impl Material {
             | Material::Black
             | Material::Glass { .. }
             | Material::Dielectric { .. }
-            | Material::Mirror { .. } => self.clone(),
+            | Material::Mirror { .. }
+            | Material::Antimatter(_) => self.clone(),
         }
     }
 }

@@ -6,6 +6,7 @@
 
 use std::fmt::{self, Write};
 
+use bsdftree::Lobes;
 use glam::DVec3;
 
 use super::material::{ONE_SIDED_THICKNESS, chromaticity, fresnel, pane_reflectance};
@@ -47,6 +48,32 @@ pub(super) fn write_material(
             lost.push("that it is specular by a function: it is diffuse");
             diffuse(to, "rd", brtd.diffuse_reflection[0])?;
             diffuse(to, "td", brtd.diffuse_transmission)?;
+        }
+        Material::Measured(measured) => {
+            lost.push("that it scatters as a BSDF file says: it is diffuse");
+            let total = |lobes| measured.file.band().hemispherical([0.0, 0.0, 1.0], lobes).min(1.0);
+            diffuse(to, "rd", DVec3::splat(total(Lobes::Reflection)))?;
+            diffuse(to, "td", DVec3::splat(total(Lobes::Transmission)))?;
+        }
+        Material::Ashikhmin(ashikhmin) => {
+            lost.push("that its highlight has another form");
+            diffuse(to, "rd", ashikhmin.diffuse)?;
+            // The slope whose distribution is as wide.
+            let [u, v] = ashikhmin.power.map(|n| (2.0 / (n + 2.0)).sqrt());
+            specular(to, "rs", ashikhmin.specular, 0.5 * (u + v))?;
+        }
+        Material::Wgmd(wgmd) => {
+            lost.push("that it is specular by a function: it is diffuse");
+            diffuse(to, "rd", wgmd.diffuse_reflection[0])?;
+            diffuse(to, "td", wgmd.diffuse_transmission)?;
+        }
+        Material::Prism(_) => {
+            lost.push("that it sends light elsewhere: it is not there");
+            writeln!(to, "\tts 1 0")?;
+        }
+        Material::Antimatter(_) => {
+            lost.push("that it cuts other surfaces: it is not there");
+            writeln!(to, "\tts 1 0")?;
         }
         Material::Mixture { foreground, .. } => {
             if let Some(front @ (Material::Gloss(_) | Material::Black)) = of_front_only(material) {

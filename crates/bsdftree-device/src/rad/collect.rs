@@ -4,14 +4,15 @@
 //! whose materials are in the order of their first use, and bounded in size. Warnings are told once.
 
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
-use super::definition::Definition;
+use super::definition::{Definition, MadeOf};
 use super::scene::Placement;
 use super::shape::{self, Shaped};
 use super::statement::Primitive;
 use crate::device::{Device, NamedMaterial, Surface};
 use crate::error::{DeviceError, Place};
-use crate::material::Material;
+use crate::material::{Antimatter, Material};
 use crate::options::Limits;
 use crate::shape::Shape;
 
@@ -116,7 +117,15 @@ impl Collection {
         if let Some(index) = definition.index.get() {
             return Ok(index);
         }
-        let material = definition.material().map_err(|problem| problem.raise(user, at))?;
+        let material = match definition.made_of().map_err(|problem| problem.raise(user, at))? {
+            MadeOf::Material(material) => material,
+            MadeOf::Antimatter(hiding) => {
+                let mut index = |definition: &Rc<Definition>| self.material(Some(definition), user, at);
+                let skin = hiding.skin.as_ref().map(&mut index).transpose()?;
+                let hidden = hiding.hidden.iter().map(index).collect::<Result<_, _>>()?;
+                Material::Antimatter(Antimatter { skin, hidden })
+            }
+        };
         let index = self.index_of(&definition.name, &material);
         definition.index.set(Some(index));
         for notice in &definition.notices {

@@ -18,13 +18,14 @@ use super::function_material;
 use super::library::{Library, Standing};
 use super::material;
 use super::modifier::{self, Described};
+use super::optics;
 use super::problem::Problem;
 use super::statement::{Primitive, quoted};
 use super::transform::Transform;
 use super::types::{self, Class};
 use crate::error::{DeviceError, Place};
 use crate::field::Field;
-use crate::material::{Material, Modifier};
+use crate::material::{Material, Modifier, PartModifiers};
 
 /// Most modifiers and materials that one may stand for, mixtures in mixtures counted each time.
 const MOST_PARTS: usize = 4096;
@@ -50,6 +51,7 @@ enum Own {
     Alternate(Chain),
     Modifier(Modifier),
     Mixture(Field<1>, [Chain; 2]),
+    Antimatter(Rc<Hiding>),
 }
 
 /// A modifier with those behind it.
@@ -57,6 +59,21 @@ enum Own {
 enum Chain {
     Material(Material, usize),
     Modifiers(Vec<Modifier>, usize),
+    Antimatter(Rc<Hiding>, usize),
+}
+
+/// What antimatter hides.
+pub(super) struct Hiding {
+    /// What shades a cut object; `None` if nothing does.
+    pub skin: Option<Rc<Definition>>,
+    pub hidden: Vec<Rc<Definition>>,
+}
+
+/// What a surface is made of.
+pub(super) enum MadeOf {
+    Material(Material),
+    /// Antimatter, whose [`Material`] names others by their places in the device.
+    Antimatter(Rc<Hiding>),
 }
 
 impl Chain {
@@ -66,22 +83,25 @@ impl Chain {
     /// How many modifiers and materials it has.
     fn parts(&self) -> usize {
         match self {
-            Chain::Material(_, parts) | Chain::Modifiers(_, parts) => *parts,
+            Chain::Material(_, parts) | Chain::Modifiers(_, parts) | Chain::Antimatter(_, parts) => *parts,
         }
     }
 
     fn into_material(self) -> Material {
         match self {
             Chain::Material(material, _) => material,
-            Chain::Modifiers(..) => Material::Void,
+            Chain::Modifiers(..) | Chain::Antimatter(..) => Material::Void,
         }
     }
 }
 
 impl Definition {
     /// What a surface is made of.
-    pub(super) fn material(&self) -> Result<Material, Rc<Problem>> {
-        self.chain.clone().map(Chain::into_material)
+    pub(super) fn made_of(&self) -> Result<MadeOf, Rc<Problem>> {
+        self.chain.clone().map(|chain| match chain {
+            Chain::Antimatter(hiding, _) => MadeOf::Antimatter(hiding),
+            chain => MadeOf::Material(chain.into_material()),
+        })
     }
 }
 
@@ -172,6 +192,12 @@ impl Definitions {
                 function_material::check_counts(p, standing)?;
                 Ok(described(function_material::describe(self.reader(p, setting))))
             }
+            _ if optics::is_one(&p.kind) => {
+                optics::check_counts(p, standing)?;
+                let modifiers = self.modifiers_of_parts(p, standing.at)?;
+                Ok(described(modifiers.and_then(|m| optics::describe(&mut self.reader(p, setting), m))))
+            }
+            _ if p.kind == "antimatter" => self.antimatter(p, standing.at, notices),
             _ => {
                 material::check_counts(p, standing.at)?;
                 Ok(described(material::describe(self.reader(p, setting))))
@@ -191,6 +217,73 @@ impl Definitions {
         }
         let definition = self.find_named("side of a mixture", name, at)?;
         Ok((definition.chain.clone(), definition.notices.clone()))
+    }
+
+    /// The modifiers that a `WGMDfunc` names for its parts; `None` for those of the material itself.
+    fn modifiers_of_parts(
+        &self,
+        p: &Primitive,
+        at: &Place,
+    ) -> Result<Result<PartModifiers, Rc<Problem>>, DeviceError> {
+        let mut parts = PartModifiers::default();
+        if p.kind != "WGMDfunc" {
+            return Ok(Ok(parts));
+        }
+        for (part, argument) in parts.iter_mut().zip(optics::WGMD_MODIFIERS) {
+            *part = match &*p.strings[argument] {
+                "inherit" => None,
+                "void" => Some(Arc::default()),
+                name => match &self.find_named("modifier of a part", name, at)?.chain {
+                    Ok(Chain::Modifiers(modifiers, _)) => Some(modifiers.clone().into()),
+                    Ok(_) => {
+                        let expected =
+                            format!("a pattern or a texture as modifier of a part of \"{}\"", p.name);
+                        let found = format!("the material {}", quoted(name));
+                        return Ok(Err(Rc::new(Problem::value(at, expected, found))));
+                    }
+                    Err(problem) => return Ok(Err(problem.clone())),
+                },
+            };
+        }
+        Ok(Ok(parts))
+    }
+
+    /// Antimatter. As in Radiance, names that are not defined are left out, and the user is told.
+    fn antimatter(
+        &self,
+        p: &Primitive,
+        at: &Place,
+        notices: &mut Vec<String>,
+    ) -> Result<Described<Own>, DeviceError> {
+        if p.strings.is_empty() {
+            return Err(DeviceError::Unexpected {
+                at: at.clone(),
+                expected: format!(
+                    "1 or more string arguments (the modifiers that antimatter \"{}\" hides)",
+                    p.name
+                ),
+                found: "none".to_owned(),
+                advice: String::new(),
+            });
+        }
+        let mut hiding = Hiding { skin: None, hidden: Vec::new() };
+        for (k, name) in p.strings.iter().enumerate().filter(|(_, name)| *name != "void") {
+            let Some(definition) = self.latest.get(name) else {
+                notices.push(format!(
+                    "{at}: antimatter \"{}\": {} is not defined before it",
+                    p.name,
+                    quoted(name)
+                ));
+                continue;
+            };
+            if k == 0 {
+                hiding.skin = Some(definition.clone());
+            }
+            if !hiding.hidden.iter().any(|other| Rc::ptr_eq(other, definition)) {
+                hiding.hidden.push(definition.clone());
+            }
+        }
+        Ok(Ok((Own::Antimatter(Rc::new(hiding)), None)))
     }
 
     /// `illum` is its alternate material, or not there.
@@ -257,6 +350,9 @@ fn linked(
     };
     let of_sides = match &own {
         Own::Mixture(_, [a, b]) => a.parts() + b.parts(),
+        Own::Antimatter(hiding) => {
+            hiding.hidden.iter().map(|definition| definition.chain.as_ref().map_or(1, Chain::parts)).sum()
+        }
         _ => 0,
     };
     let parts = 1 + rest.parts() + of_sides;
@@ -277,6 +373,8 @@ fn linked(
             Chain::Modifiers(modifiers, parts)
         }
         Chain::Material(material, _) => Chain::Material(modified(material, vec![modifier], unit), parts),
+        // What is on antimatter is not on the objects that it cuts.
+        Chain::Antimatter(hiding, _) => Chain::Antimatter(hiding, parts),
     };
     match own {
         // What has no colour has none to modify.
@@ -284,8 +382,16 @@ fn linked(
         Own::Alternate(chain) => Ok(chain),
         Own::Material(material) => match rest {
             Chain::Modifiers(modifiers, _) => Ok(Chain::Material(modified(material, modifiers, unit), parts)),
-            Chain::Material(..) => Err(misplaced("material", "'void', a pattern or a texture")),
+            _ => Err(misplaced("material", "'void', a pattern or a texture")),
         },
+        Own::Antimatter(hiding) => match rest {
+            Chain::Modifiers(..) => Ok(Chain::Antimatter(hiding, parts)),
+            _ => Err(misplaced("antimatter", "'void', a pattern or a texture")),
+        },
+        Own::Mixture(_, [Chain::Antimatter(..), _] | [_, Chain::Antimatter(..)]) => {
+            let expected = format!("materials other than antimatter in the mixture \"{name}\"");
+            Err(Rc::new(Problem::value(at, expected, "antimatter")))
+        }
         Own::Modifier(modifier) => Ok(before(modifier, rest)),
         Own::Mixture(amount, [Chain::Modifiers(foreground, _), Chain::Modifiers(background, _)]) => {
             Ok(before(Modifier::Mixture { amount, foreground, background }, rest))

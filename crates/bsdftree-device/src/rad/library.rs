@@ -14,9 +14,10 @@ use super::problem::Problem;
 use crate::cal::Context;
 use crate::error::Place;
 use crate::field::{DataArray, File, Picture, digest};
+use crate::material::BsdfFile;
 
-/// Largest function file, data file and picture \[byte\].
-const LARGEST: [u64; 3] = [16 << 20, 1 << 30, 1 << 30];
+/// Largest function file, data file, picture and BSDF \[byte\].
+const LARGEST: [u64; 4] = [16 << 20, 1 << 30, 1 << 30, 4 << 30];
 
 /// Where a statement stands.
 pub(super) struct Standing<'a> {
@@ -34,12 +35,16 @@ pub(super) struct Functions {
     pub file: File,
 }
 
+/// What was read, and what the user should know of it.
+pub(super) type Told<T> = (T, Vec<String>);
+
 /// What has been read.
 #[derive(Default)]
 pub(super) struct Library {
     functions: HashMap<PathBuf, Result<Rc<Functions>, Rc<Problem>>>,
     data: HashMap<PathBuf, Result<Arc<DataArray>, Rc<Problem>>>,
     pictures: HashMap<PathBuf, Result<Arc<Picture>, Rc<Problem>>>,
+    bsdfs: HashMap<PathBuf, Result<Rc<Told<BsdfFile>>, Rc<Problem>>>,
 }
 
 impl Library {
@@ -82,6 +87,17 @@ impl Library {
             Picture::parse(&bytes, file).map(Arc::new).map_err(|e| problem(standing, &e))
         };
         self.pictures.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+    }
+
+    /// A BSDF.
+    pub(super) fn bsdf(&mut self, name: &str, standing: &Standing) -> Result<Rc<Told<BsdfFile>>, Rc<Problem>> {
+        let path = find(name, standing)?;
+        let read = |path: &Path| {
+            let (bytes, file) = bytes(path, LARGEST[3], standing)?;
+            let parsed = BsdfFile::parse(&bytes, file);
+            parsed.map(Rc::new).map_err(|reason| Rc::new(Problem::failed(standing.at, reason)))
+        };
+        self.bsdfs.entry(path.clone()).or_insert_with(|| read(&path)).clone()
     }
 }
 

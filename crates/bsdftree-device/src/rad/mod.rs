@@ -9,7 +9,7 @@
 //! modifier are an error, never drawn as something else.
 //!
 //! Modules in the order in which data flows: [`words`] → [`statement`] ([`types`]) → [`scene`] ([`command`], [`xform`],
-//! [`transform`], [`files`], [`definition`], [`problem`], [`material`], [`modifier`], [`function_material`], [`mod@field`],
+//! [`transform`], [`files`], [`definition`], [`problem`], [`material`], [`modifier`], [`function_material`], [`optics`], [`mod@field`],
 //! [`library`]) →
 //! [`collect`] ([`shape`]); back to text: [`mod@write`], [`write_material`].
 
@@ -22,6 +22,7 @@ mod function_material;
 mod library;
 mod material;
 mod modifier;
+mod optics;
 mod problem;
 mod scene;
 pub(crate) mod shape;

@@ -24,15 +24,15 @@ impl Class {
             "polygon" | "sphere" | "bubble" | "cylinder" | "tube" | "cone" | "cup" | "ring" => Class::Surface,
             "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" | "glass" | "dielectric"
             | "interface" | "mirror" | "light" | "glow" | "spotlight" | "illum" | "plasfunc" | "metfunc"
-            | "transfunc" | "BRTDfunc" | "plasdata" | "metdata" | "transdata" => Class::Material,
+            | "transfunc" | "BRTDfunc" | "plasdata" | "metdata" | "transdata" | "BSDF" | "aBSDF" | "ashik2"
+            | "WGMDfunc" | "prism1" | "prism2" | "antimatter" => Class::Material,
             "texfunc" | "texdata" | "colorfunc" | "brightfunc" | "colordata" | "brightdata" | "colorpict"
             | "spectrum" | "specfile" | "specfunc" => Class::Modifier,
             "mixfunc" | "mixdata" | "mixpict" => Class::Mixture,
             "source" | "instance" | "mesh" => Class::UnsupportedSurface,
             "colortext" | "brighttext" | "specdata" | "specpict" => Class::UnsupportedModifier("pattern"),
             "mixtext" => Class::UnsupportedModifier("mixture"),
-            "prism1" | "prism2" | "mist" | "antimatter" | "BSDF" | "aBSDF" | "sBSDF" | "WGMDfunc"
-            | "ashik2" => Class::UnsupportedModifier("material"),
+            "mist" | "sBSDF" => Class::UnsupportedModifier("material"),
             _ => return None,
         })
     }

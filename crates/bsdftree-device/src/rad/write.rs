@@ -3,13 +3,14 @@
 //! In: a device. Out: text that Radiance and [`Device::parse_rad`] read. A material is written before the first
 //! surface that uses it, and again where another of the same name was in force between. Numbers are exact.
 
+use std::collections::HashMap;
 use std::fmt::{self, Write};
 
 use glam::DVec3;
 
-use super::write_material::write_material;
-use crate::device::Device;
-use crate::material::Material;
+use super::write_material::{write_antimatter, write_material};
+use crate::device::{Device, NamedMaterial};
+use crate::material::{Antimatter, Material};
 use crate::mesh::write_polygons;
 use crate::shape::Shape;
 
@@ -31,17 +32,42 @@ impl Device {
         for warning in &self.warnings {
             writeln!(to, "# {}", warning.replace(['\n', '\r'], " "))?;
         }
-        let mut in_force = std::collections::HashMap::new();
+        let mut in_force = HashMap::new();
         for surface in &self.surfaces {
-            let material = &self.materials[surface.material as usize];
-            let modifier = word(&material.name);
-            let defined = modifier == "void" && material.material == Material::Void;
-            if !defined && in_force.insert(modifier.clone(), surface.material) != Some(surface.material) {
-                write_material(to, &modifier, &material.material)?;
-            }
+            let modifier = self.define(to, surface.material, &mut in_force)?;
             write_shape(to, &modifier, &word(&surface.name), &surface.shape)?;
         }
         Ok(())
+    }
+
+    /// Writes a material, unless it is in force under its name, which is returned.
+    fn define(
+        &self,
+        to: &mut String,
+        index: u32,
+        in_force: &mut HashMap<String, u32>,
+    ) -> Result<String, fmt::Error> {
+        let NamedMaterial { name, material } = &self.materials[index as usize];
+        let name = word(name);
+        if (name == "void" && *material == Material::Void) || in_force.get(&name) == Some(&index) {
+            return Ok(name);
+        }
+        if let Material::Antimatter(Antimatter { skin, hidden }) = material {
+            // The first name shades what is cut.
+            let rest = hidden.iter().filter(|&other| Some(*other) != *skin);
+            let mut names = Vec::new();
+            for &other in skin.iter().chain(rest) {
+                names.push(self.define(to, other, in_force)?);
+            }
+            if skin.is_none() {
+                names.insert(0, "void".to_owned());
+            }
+            write_antimatter(to, &name, &names)?;
+        } else {
+            write_material(to, &name, material)?;
+        }
+        in_force.insert(name.clone(), index);
+        Ok(name)
     }
 }
 

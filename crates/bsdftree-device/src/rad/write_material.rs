@@ -10,7 +10,10 @@ use std::fmt::{self, Write};
 use glam::{DMat3, DVec3};
 
 use crate::field::{Field, Formulas, Source, Space};
-use crate::material::{BrtdFunction, FunctionGloss, Gloss, GlossKind, Material, Medium, Modifier};
+use crate::material::{
+    BrtdFunction, FunctionGloss, Gloss, GlossKind, Material, Measured, Medium, Modifier, Orientation,
+    Redirection, Wgmd,
+};
 
 /// Writes the definition of `name`, and before it what it needs.
 pub(super) fn write_material(to: &mut String, name: &str, material: &Material) -> fmt::Result {
@@ -80,6 +83,24 @@ impl Writer<'_> {
             }
             Material::Function(function) => self.function(modifier, name, function),
             Material::Brtd(brtd) => self.brtd(modifier, name, brtd),
+            Material::Measured(measured) => self.measured(modifier, name, measured),
+            Material::Ashikhmin(a) => {
+                let reals = [&a.diffuse.to_array()[..], &a.specular.to_array(), &a.power].concat();
+                self.primitive(modifier, "ashik2", name, &oriented(&a.orientation), &reals)
+            }
+            Material::Wgmd(wgmd) => self.wgmd(modifier, name, wgmd),
+            Material::Prism(prism) => {
+                let kind = if prism.redirections.len() == 1 { "prism1" } else { "prism2" };
+                let space = &prism.redirections[0].direction.space;
+                let formulas =
+                    |r: &Redirection| [formulas_of(&r.coefficient), formulas_of(&r.direction)].concat();
+                let fields = prism.redirections.iter().flat_map(formulas);
+                let strings =
+                    [fields.collect(), vec![space.file.path.to_string()], transformation(space)].concat();
+                self.primitive(modifier, kind, name, &strings, &space.arguments)
+            }
+            // Written where the names of other materials are known.
+            Material::Antimatter(_) => Ok(()),
             Material::Mixture { amount, foreground, background } => {
                 let mut sides = Vec::new();
                 for side in [foreground, background] {
@@ -155,6 +176,39 @@ impl Writer<'_> {
         self.primitive(modifier, "BRTDfunc", name, &strings, &brtd.space.arguments)
     }
 
+    fn measured(&mut self, modifier: &str, name: &str, measured: &Measured) -> fmt::Result {
+        let path = measured.file.file.path.to_string();
+        let first = if measured.through { vec![path] } else { vec!["0".to_owned(), path] };
+        let kind = if measured.through { "aBSDF" } else { "BSDF" };
+        let mut reals = measured.diffuse.map(|color| color.to_array()).concat();
+        // Those that are nothing at the end are left out.
+        let n = 3 * measured.diffuse.iter().rposition(|&color| color != DVec3::ZERO).map_or(0, |k| k + 1);
+        reals.truncate(n);
+        self.primitive(modifier, kind, name, &[first, oriented(&measured.up)].concat(), &reals)
+    }
+
+    fn wgmd(&mut self, modifier: &str, name: &str, wgmd: &Wgmd) -> fmt::Result {
+        let mut parts = Vec::new();
+        for modifiers in &wgmd.modifiers {
+            parts.push(match modifiers {
+                None => "inherit".to_owned(),
+                Some(modifiers) => self.modifiers(modifiers)?,
+            });
+        }
+        let space = &wgmd.reflection.space;
+        let strings = [
+            vec![parts[0].clone()],
+            formulas_of(&wgmd.reflection),
+            vec![parts[1].clone()],
+            formulas_of(&wgmd.transmission),
+            vec![parts[2].clone()],
+            formulas_of(&wgmd.orientation),
+            vec![space.file.path.to_string()],
+            transformation(space),
+        ];
+        self.primitive(modifier, "WGMDfunc", name, &strings.concat(), &space.arguments)
+    }
+
     /// Writes modifiers one behind the other; the name of the first of the chain.
     fn modifiers(&mut self, modifiers: &[Modifier]) -> Result<String, fmt::Error> {
         let mut last = "void".to_owned();
@@ -214,6 +268,31 @@ impl Writer<'_> {
         sides.extend(strings_of(amount));
         let kind = ["mixfunc", "mixdata", "mixpict"][form(amount)];
         self.primitive(behind, kind, name, &sides, &amount.space.arguments)
+    }
+}
+
+/// Antimatter, by the names of what it hides.
+pub(super) fn write_antimatter(to: &mut String, name: &str, hidden: &[String]) -> fmt::Result {
+    Writer { to, name, n_parts: 0 }.primitive("void", "antimatter", name, hidden, &[])
+}
+
+/// The string arguments of an orientation, with its function file and transformation.
+fn oriented(orientation: &Orientation) -> Vec<String> {
+    match orientation {
+        Orientation::Constant(u) => {
+            let mut strings = u.to_array().map(|x| format!("{x:?}")).to_vec();
+            strings.push(".".to_owned());
+            strings
+        }
+        Orientation::Varying(field) => strings_of(field),
+    }
+}
+
+/// The words of a field that is given by formulas.
+fn formulas_of<const N: usize>(field: &Field<N>) -> Vec<String> {
+    match &field.source {
+        Source::Formulas(formulas) => texts(formulas),
+        _ => Vec::new(),
     }
 }
 

@@ -166,6 +166,7 @@ mod tests {
                     bvh,
                     materials: built.materials.clone(),
                     is_plain: built.is_plain,
+                    volumes: built.volumes.clone(),
                     faults: built.faults.clone(),
                 };
                 let departures = departures(&device);

@@ -72,6 +72,12 @@ impl Meeting {
         }
     }
 
+    /// The same with a surface whose front is where its back is.
+    pub(crate) fn turned_over(self) -> Meeting {
+        let local = Local { perturbation: -self.local.perturbation, ..self.local };
+        Meeting { normal: -self.normal, local, ..self }
+    }
+
     /// Whether the ray comes from the side the normal points to.
     #[inline]
     pub fn is_front(&self) -> bool {

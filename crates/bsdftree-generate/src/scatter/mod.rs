@@ -20,6 +20,8 @@
 //! assert!((scatter.weight - 0.9).abs() < 1e-12);
 //! ```
 
+mod ashikhmin;
+mod bsdf;
 mod dielectric;
 mod diffuse;
 mod facets;
@@ -31,6 +33,7 @@ mod glass;
 mod gloss;
 mod meeting;
 mod modified;
+mod prism;
 mod shading;
 mod spectrum;
 #[cfg(test)]
@@ -38,6 +41,8 @@ mod test_support;
 #[cfg(test)]
 mod tests;
 mod textured;
+mod through;
+mod wgmd;
 
 use std::sync::Arc;
 
@@ -130,6 +135,18 @@ impl<S: Spectrum> PreparedMaterial<S> {
                 let function = function.clone();
                 Prepared::Other(Arc::new(function::BrtdShading { function, watch: watch() }))
             }
+            Material::Measured(measured) => {
+                Prepared::Other(Arc::new(bsdf::PreparedBsdf::new(measured, watch())))
+            }
+            Material::Ashikhmin(material) => {
+                Prepared::Other(Arc::new(ashikhmin::PreparedAshikhmin::new(material, watch())))
+            }
+            Material::Wgmd(wgmd) => Prepared::Other(Arc::new(wgmd::PreparedWgmd::new(wgmd, watch()))),
+            Material::Prism(prism) => {
+                Prepared::Other(Arc::new(prism::PreparedPrism { prism: prism.clone(), watch: watch() }))
+            }
+            // What it does to a path is told by the path itself; for a ray alone it is not there.
+            Material::Antimatter(_) => Prepared::Void,
             Material::Mixture { amount, foreground, background } => {
                 let (amount, sides) = (amount.clone(), [inner(foreground), inner(background)]);
                 Prepared::Other(Arc::new(modified::Mixture { amount, sides, watch: watch() }))
@@ -220,6 +237,12 @@ pub fn is_neutral(material: &Material) -> bool {
         Material::Oriented { gloss, .. } => is_grey(gloss.color),
         Material::Function(function) => is_grey(function.color),
         Material::Brtd(function) => function.is_neutral(),
+        Material::Measured(measured) => {
+            !measured.file.has_color() && measured.diffuse.iter().all(|&color| is_grey(color))
+        }
+        Material::Ashikhmin(ashikhmin) => is_grey(ashikhmin.diffuse) && is_grey(ashikhmin.specular),
+        Material::Wgmd(wgmd) => wgmd.is_neutral(),
+        Material::Prism(_) | Material::Antimatter(_) => true,
         Material::Mixture { foreground, background, .. } => is_neutral(foreground) && is_neutral(background),
         Material::Modified { modifiers, material, .. } => {
             modifiers.iter().all(Modifier::is_neutral) && is_neutral(material)
@@ -238,7 +261,8 @@ pub fn is_reciprocal(material: &Material) -> bool {
         | Material::Black
         | Material::Glass { .. }
         | Material::Dielectric { .. }
-        | Material::Mirror { .. } => true,
+        | Material::Mirror { .. }
+        | Material::Antimatter(_) => true,
         _ => false,
     }
 }

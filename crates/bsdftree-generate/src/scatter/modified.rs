@@ -55,7 +55,7 @@ impl<S: Spectrum> Shading<S> for Modified<S> {
 }
 
 /// Lets modifiers act on a shade.
-fn apply<S: Spectrum>(
+pub(super) fn apply<S: Spectrum>(
     modifiers: &[Modifier],
     ray: &RayState,
     shade: &mut Shade<S>,
