@@ -81,6 +81,19 @@ pub enum DeviceError {
         /// What is wrong, with its own file and line, and which surface needs it.
         reason: String,
     },
+    /// A formula of a command is wrong.
+    #[error(transparent)]
+    Formula(#[from] crate::cal::CalError),
+    /// A program that a scene may run did not do its work.
+    #[error("{at}: the command '{command}' failed: {reason}")]
+    Program {
+        /// The line of the command.
+        at: Place,
+        /// The program and its arguments.
+        command: String,
+        /// What happened.
+        reason: String,
+    },
     /// A file could not be read.
     #[error("{}cannot read '{}': {reason}", place_before(.named_at), .path.display())]
     File {

@@ -30,6 +30,7 @@
 pub mod cal;
 pub mod device;
 pub mod error;
+mod generators;
 pub mod field;
 pub mod material;
 pub mod mesh;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::triangulate::is_degenerate;
-pub(crate) use write::write_polygons;
+pub(crate) use write::{smooth_texture, write_polygons};
 
 /// Triangles over vertices that other meshes may share; the front is where they turn counter-clockwise.
 ///

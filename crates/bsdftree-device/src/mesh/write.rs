@@ -30,7 +30,7 @@ pub(crate) fn write_polygons(to: &mut String, modifier: &str, name: &str, mesh: 
     Ok(())
 }
 
-/// The axis left out, and for each component of the normal its slopes along the next two axes and its value at the origin.
+/// The texture of a triangle, if it is to look smooth and is not flat anyway.
 fn texture(mesh: &Mesh, triangle: usize, corners: [DVec3; 3]) -> Option<(usize, [[f64; 3]; 3])> {
     let normals = &mesh.vertices.normals;
     if normals.is_empty() {
@@ -38,22 +38,28 @@ fn texture(mesh: &Mesh, triangle: usize, corners: [DVec3; 3]) -> Option<(usize, 
     }
     let normals = mesh.triangles[triangle].map(|k| normals[k as usize]);
     let [a, b, c] = corners;
-    let facing = (b - a).cross(c - a);
-    let flat = facing.normalize_or_zero().as_vec3();
+    let flat = (b - a).cross(c - a).normalize_or_zero().as_vec3();
     if normals.contains(&Vec3::ZERO) || normals.iter().all(|n| n.distance(flat) < 1e-6) {
         return None;
     }
+    Some(smooth_texture(corners, normals.map(Vec3::as_dvec3)))
+}
+
+/// Arguments of the functions of `tmesh.cal` for a triangle with these normals at its corners: the axis it faces most, and for
+/// each component of the normal its slopes along the next two axes and its value at the origin.
+pub(crate) fn smooth_texture([a, b, c]: [DVec3; 3], normals: [DVec3; 3]) -> (usize, [[f64; 3]; 3]) {
+    let facing = (b - a).cross(c - a);
     let axis = facing.abs().max_position();
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let ([b, c], doubled) = ([b - a, c - a], facing[axis]);
     let rows = [0, 1, 2].map(|component| {
-        let [of_a, of_b, of_c] = normals.map(|n| f64::from(n[component]));
+        let [of_a, of_b, of_c] = normals.map(|n| n[component]);
         let (to_b, to_c) = (of_b - of_a, of_c - of_a);
         let along_u = (to_b * c[v] - to_c * b[v]) / doubled;
         let along_v = (to_c * b[u] - to_b * c[u]) / doubled;
         [along_u, along_v, of_a - along_u * a[u] - along_v * a[v]]
     });
-    Some((axis, rows))
+    (axis, rows)
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Commands of a scene file (`!xform …`), which are understood and never given to a shell.
 //!
-//! In: the line after `!`. Out: the programs of its pipe, each a list of words. Only `xform`, and `cat` of files, are
-//! understood, also in a pipe (`xform a.rad | xform -rz 90`). `-f` of `xform` puts each line of a file in its place.
+//! In: the line after `!`. Out: the programs of its pipe, each a list of words. Understood are `xform`, `cat` of files, `echo`,
+//! `replmarks` and the generators (`genbox …`), also in a pipe (`genbox a b 1 1 1 | xform -rz 90`); any other program must have
+//! been allowed. `-f` of `xform` puts each line of a file in its place.
 
 use std::path::Path;
 
@@ -10,6 +11,7 @@ use super::statement::quoted;
 use super::words;
 use super::xform::Xform;
 use crate::error::{DeviceError, Place};
+use crate::generators;
 
 /// Longest pipe, and deepest nesting of argument files.
 const DEEPEST: usize = 32;
@@ -18,7 +20,7 @@ const DEEPEST: usize = 32;
 const MOST_LINES: usize = 1_000_000;
 
 /// Programs of a pipe: the first makes the scene, each further one transforms it.
-pub(super) fn pipe(command: &str, at: &Place) -> Result<Vec<Vec<String>>, DeviceError> {
+pub(super) fn pipe(command: &str, allowed: &[String], at: &Place) -> Result<Vec<Vec<String>>, DeviceError> {
     let unsupported = |what: String, advice: &str| DeviceError::Unsupported {
         at: at.clone(),
         what,
@@ -40,11 +42,22 @@ pub(super) fn pipe(command: &str, at: &Place) -> Result<Vec<Vec<String>>, Device
     }
     for (k, program) in programs.iter().enumerate() {
         match program.first().map(String::as_str) {
-            Some("xform") => {}
-            Some("cat") if k == 0 => {}
+            Some("xform" | "replmarks") => {}
+            Some(name) if k == 0 && (matches!(name, "cat" | "echo") || generators::is_known(name)) => {}
+            Some(name) if allowed.iter().any(|known| known == name) => {}
             Some(name) => {
-                let advice = "run it yourself, put what it prints into a file, and name that file instead";
-                return Err(unsupported(format!("command {}", quoted(name)), advice));
+                let what = format!("command {}", quoted(name));
+                let advice = if k > 0 {
+                    "after '|' there can be xform, replmarks and allowed programs only".to_owned()
+                } else {
+                    let known: Vec<&str> = generators::names().collect();
+                    format!(
+                        "no program but xform, cat, echo, replmarks, {} is understood; allow this one by its name \
+                         (--allow-command {name}) if you trust the file, or put what it prints into a file and name that",
+                        known.join(", ")
+                    )
+                };
+                return Err(unsupported(what, &advice));
             }
             None => {
                 return Err(DeviceError::Unexpected {
@@ -57,6 +70,16 @@ pub(super) fn pipe(command: &str, at: &Place) -> Result<Vec<Vec<String>>, Device
         }
     }
     Ok(programs)
+}
+
+/// A word as it stands in a command.
+pub(crate) fn command_word(word: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-+.,:=@%_/~^".contains(c);
+    match () {
+        () if !word.is_empty() && word.chars().all(is_plain) => word.to_owned(),
+        () if !word.contains('"') => format!("\"{word}\""),
+        () => format!("'{}'", word.replace('\'', "_")),
+    }
 }
 
 /// Words of a command line, quotes removed, or the shell's signs that stand outside quotes.

@@ -30,7 +30,7 @@ pub(super) struct Files {
 }
 
 /// Largest file that is read \[bytes\].
-const LARGEST: u64 = 1 << 30;
+pub(super) const LARGEST: u64 = 1 << 30;
 
 impl Files {
     pub(super) fn new(raypath: Vec<PathBuf>) -> Self {

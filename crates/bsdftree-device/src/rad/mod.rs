@@ -3,12 +3,12 @@
 //! In: files or text in the format of Radiance's reference manual. Out: a [`Device`] in metres, or the first error
 //! with its file and line. Several files are one scene in their order, as for `oconv a.rad b.rad`.
 //!
-//! No shell is run: of the commands (`!…`) only `xform`, `cat` of files and pipes into `xform` are understood, and only
-//! files that the scene names are read. Deviations from Radiance: a file that is named is looked for beside the file
+//! No shell is run: commands (`!…`) are understood here, see [`command`] and `generators`, unless the options allow their program to
+//! be run; only files that the scene names are read. Deviations from Radiance: a file that is named is looked for beside the file
 //! that names it before the directories of `RAYPATH`; materials outside [0, 1] are refused; surfaces of an unsupported
 //! modifier are an error, never drawn as something else.
 //!
-//! Modules in the order in which data flows: [`words`] → [`statement`] ([`types`]) → [`scene`] ([`command`], [`xform`],
+//! Modules in the order in which data flows: [`words`] → [`statement`] ([`types`]) → [`scene`] ([`command`], [`stream`], [`process`], [`xform`],
 //! [`transform`], [`files`], [`definition`], [`problem`], [`material`], [`modifier`], [`function_material`], [`optics`], [`mod@field`],
 //! [`library`]) →
 //! [`collect`] ([`shape`]); back to text: [`mod@write`], [`write_material`].
@@ -24,9 +24,11 @@ mod material;
 mod modifier;
 mod optics;
 mod problem;
+mod process;
 mod scene;
 pub(crate) mod shape;
 mod statement;
+mod stream;
 mod transform;
 mod types;
 mod words;
@@ -40,8 +42,11 @@ mod tests;
 use std::path::{Path, PathBuf};
 
 pub(crate) use collect::{Collection, overflow, too_large};
+pub(crate) use command::command_word;
 pub(crate) use files::read as read_text;
-pub(crate) use statement::{quoted, real};
+#[cfg(test)]
+pub(crate) use statement::parse as parse_statements;
+pub(crate) use statement::{Content, Primitive, Statement, quoted, real};
 pub(crate) use transform::{Steps, Transform, Wrong};
 
 use files::Source;

@@ -4,6 +4,7 @@
 //! transformation, name prefix, modifier and inversion of all `xform` commands around them; the innermost applies
 //! first. Files that name each other in a circle are an error, and what a scene may expand to is bounded.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -12,7 +13,8 @@ use super::command;
 use super::definition::{Definitions, Setting};
 use super::files::{Files, Source};
 use super::library::Standing;
-use super::statement::{Content, Primitive, quoted};
+use super::statement::{Content, Primitive, Statement, quoted};
+use super::stream::{self, Maker};
 use super::transform::Transform;
 use super::types::Class;
 use super::xform::{Copy, Xform};
@@ -26,6 +28,8 @@ pub(super) struct Scene {
     files: Files,
     /// Files being walked, outermost first.
     chain: Vec<PathBuf>,
+    /// What commands have made, by what they are and where they ran.
+    streams: HashMap<PathBuf, Vec<Rc<Source>>>,
     definitions: Definitions,
     collection: Collection,
 }
@@ -66,6 +70,7 @@ impl Scene {
         Scene {
             files: Files::new(options.search_folders()),
             chain: Vec::new(),
+            streams: HashMap::new(),
             definitions: Definitions::default(),
             collection: Collection::new(options.limits),
             options,
@@ -125,7 +130,7 @@ impl Scene {
                     self.definitions.alias(modifier, name, reference, self.options.unit.meters(), &at)?;
                 }
                 Content::Command(command) => {
-                    let programs = command::pipe(command, &at)?;
+                    let programs = command::pipe(command, &self.options.allowed_commands, &at)?;
                     self.pipe(&programs, directory, placement, &at)?;
                 }
                 Content::Primitive(p) => match p.class {
@@ -155,6 +160,9 @@ impl Scene {
         at: &Place,
     ) -> Result<(), DeviceError> {
         let Some((last, inner)) = programs.split_last() else { return Ok(()) };
+        if !matches!(last.first().map(String::as_str), Some("xform" | "cat")) {
+            return self.made(programs, directory, placement, at);
+        }
         for xform in command::understand(last, directory, &self.files, at)? {
             if xform.files.is_empty() == inner.is_empty() {
                 let (expected, found) = match xform.files.first() {
@@ -183,6 +191,36 @@ impl Scene {
                 self.pipe(inner, directory, &inside, at)?;
             }
         }
+        Ok(())
+    }
+
+    /// Walks what programs make by themselves.
+    fn made(
+        &mut self,
+        programs: &[Vec<String>],
+        directory: &Path,
+        placement: &Placement,
+        at: &Place,
+    ) -> Result<(), DeviceError> {
+        let key = stream::key(programs, directory);
+        self.check_chain(&key, at)?;
+        let sources = match self.streams.get(&key) {
+            Some(sources) => sources.clone(),
+            None => {
+                let options = &self.options;
+                let mut maker = Maker { options, files: &mut self.files, directory, at };
+                let sources = maker.sources(programs)?;
+                let bytes = sources.iter().flat_map(|source| &source.statements).map(Statement::bytes).sum();
+                self.collection.spend(bytes, at)?;
+                self.streams.insert(key.clone(), sources.clone());
+                sources
+            }
+        };
+        self.chain.push(key);
+        for source in &sources {
+            self.source(source, directory, placement)?;
+        }
+        self.chain.pop();
         Ok(())
     }
 

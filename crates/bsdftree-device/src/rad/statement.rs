@@ -11,13 +11,15 @@ use super::words::{Lead, Word, Words};
 use crate::error::{DeviceError, Place};
 
 /// One statement and the line it begins on.
-pub(super) struct Statement {
+#[derive(Clone)]
+pub(crate) struct Statement {
     pub line: u32,
     pub content: Content,
 }
 
 /// The three kinds of statement.
-pub(super) enum Content {
+#[derive(Clone)]
+pub(crate) enum Content {
     Primitive(Primitive),
     /// `modifier alias name reference`.
     Alias {
@@ -30,7 +32,8 @@ pub(super) enum Content {
 }
 
 /// `modifier type name`, and its string and real arguments.
-pub(super) struct Primitive {
+#[derive(Clone)]
+pub(crate) struct Primitive {
     pub modifier: String,
     pub kind: String,
     pub class: Class,
@@ -39,8 +42,40 @@ pub(super) struct Primitive {
     pub reals: Vec<f64>,
 }
 
+impl Statement {
+    /// A primitive that stands in no file; its type must be one of Radiance's.
+    pub(crate) fn made(
+        line: u32,
+        modifier: &str,
+        kind: &str,
+        name: String,
+        strings: &[&str],
+        reals: Vec<f64>,
+    ) -> Statement {
+        let class = Class::of(kind).expect("a type of Radiance");
+        let strings = strings.iter().map(|&word| word.to_owned()).collect();
+        let (modifier, kind) = (modifier.to_owned(), kind.to_owned());
+        Statement {
+            line,
+            content: Content::Primitive(Primitive { modifier, kind, class, name, strings, reals }),
+        }
+    }
+}
+
+impl Statement {
+    /// Memory it takes, about.
+    pub(super) fn bytes(&self) -> u64 {
+        let own = size_of::<Statement>() as u64;
+        own + match &self.content {
+            Content::Primitive(p) => 8 * p.reals.len() as u64 + 64 * p.strings.len() as u64 + 64,
+            Content::Alias { .. } => 64,
+            Content::Command(command) => command.len() as u64,
+        }
+    }
+}
+
 /// Reads all statements of a text.
-pub(super) fn parse(text: &str, file: &Arc<str>) -> Result<Vec<Statement>, DeviceError> {
+pub(crate) fn parse(text: &str, file: &Arc<str>) -> Result<Vec<Statement>, DeviceError> {
     let mut reader = Reader { words: Words::new(text), file };
     let mut statements = Vec::new();
     loop {

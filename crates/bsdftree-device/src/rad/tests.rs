@@ -244,3 +244,98 @@ fn warnings_are_bounded() {
     let warnings = Directory::new("warnings", &[]).parse(&text).unwrap().warnings;
     assert_eq!((warnings.len(), &*warnings[100]), (101, "and 400 more warnings"));
 }
+
+#[test]
+fn generators_make_surfaces_in_place() {
+    let dir = Directory::new("generators", &[("white.rad", WHITE)]);
+    let text = "!cat white.rad\n!genbox white b 1 2 3 | xform -n out -a 2 -t 10 0 0\n!echo white sphere e 0 0 4 1 2 3 .5";
+    let device = dir.parse(text).unwrap();
+    assert_eq!(device.surfaces.len(), 13);
+    assert_eq!(device.surfaces[6].name, "out.1.b.1540");
+    assert_eq!(
+        device.bounds().unwrap(),
+        [DVec3::ZERO, dvec3(11.0, 2.5, 3.5)].map(|p| p.min(dvec3(11.0, 2.5, 3.5)))
+    );
+    let error = dir.parse("\n\n!genbox white b 1 2").unwrap_err().to_string();
+    assert!(error.starts_with("top.rad:3: expected a size above 0 for genbox"), "{error}");
+    let error = dir.parse("!genbox white b 1 2 3").unwrap_err().to_string();
+    assert!(error.starts_with("top.rad:1: ") && error.contains("'white' is not defined"), "{error}");
+}
+
+#[test]
+fn marks_are_replaced_where_they_point() {
+    let ball = format!("{WHITE}white sphere s 0 0 4 1 2 3 .25\n");
+    let marks = "mark polygon a 0 0 9 1 2 3 4 2 3 1 3 3\nmark polygon \"b c\" 0 0 9 0 0 0 0 0 2 1 0 2\n\
+                 white sphere keep 0 0 4 9 9 9 .25\n";
+    let dir = Directory::new("marks", &[("ball.rad", &*ball), ("marks.rad", marks)]);
+    let placed = |command: &str| centers(&dir.parse(&format!("{WHITE}{command}")).unwrap());
+    let near = |found: &[(String, DVec3)], expected: &[(&str, DVec3)]| {
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for ((name, center), (expected_name, expected)) in found.iter().zip(expected) {
+            assert!(name == expected_name && center.distance(*expected) < 1e-12, "{name} {center}");
+        }
+    };
+    // The second points down from (0, 0, 2), its y axis to +x.
+    let keep = ("keep", DVec3::splat(9.0));
+    let expected = [("a.s", dvec3(2.0, 4.0, 6.0)), ("b c.s", dvec3(2.0, -3.0, 1.0)), keep];
+    near(&placed("!replmarks -x ball.rad mark marks.rad"), &expected);
+    let scaled = [("a.s", dvec3(7.0, 14.0, 21.0)), ("b c.s", dvec3(8.0, -12.0, -2.0)), keep];
+    near(&placed("!replmarks -s 2 -x ball.rad mark marks.rad"), &scaled);
+    near(&placed("!cat marks.rad | replmarks -x ball.rad mark"), &expected);
+    let moved = expected.map(|(name, center)| (name, center + DVec3::X));
+    near(&placed("!replmarks -x ball.rad mark marks.rad | xform -t 1 0 0"), &moved);
+    let error = dir.parse("!replmarks -x ball.rad mark").unwrap_err().to_string();
+    assert!(error.contains("a file for replmarks to read"), "{error}");
+    let error = dir.parse("!xform marks.rad | replmarks -x ball.rad mark").unwrap_err().to_string();
+    assert!(error.contains("put xform after it"), "{error}");
+    fs::write(dir.0.join("self.rad"), "!replmarks -x ball.rad mark self.rad").unwrap();
+    let error = dir.parse("!xform self.rad").unwrap_err();
+    assert!(matches!(error, DeviceError::Cycle { .. }), "{error}");
+}
+
+#[test]
+fn programs_are_refused_by_name_and_place() {
+    let dir = Directory::new("refused", &[]);
+    for (command, what) in [
+        ("\n!mkfs /dev/sda", "top.rad:2: command 'mkfs' is not supported yet: no program but xform"),
+        ("!/bin/sh -c ls", "--allow-command /bin/sh"),
+        ("!genbox m b 1 1 1 | tee x", "after '|' there can be xform"),
+        ("!xform `ls`", "'`' in the command"),
+        ("!genbox m b 1 1 1 ; rm x", "';' in the command"),
+        ("!genbox m b 1 1 1 > x", "'>' in the command"),
+        ("!echo $HOME", "'$' in the command"),
+        ("! | xform", "expected a command after"),
+    ] {
+        let error = dir.parse(command).unwrap_err().to_string();
+        assert!(error.contains(what), "{command}: {error}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn allowed_programs_run_in_the_directory_of_the_scene() {
+    let dir = Directory::new("allowed", &[("sub/scene.rad", "!head -n 9 ball.rad"), ("sub/ball.rad", BALL)]);
+    let read = |text: &str| {
+        let limits =
+            Limits { command_time: std::time::Duration::from_secs(20), bytes: 1 << 20, ..Limits::DEFAULT };
+        let allowed_commands = vec!["head".to_owned(), "sed".to_owned(), "yes".to_owned()];
+        let options = ReadOptions { limits, allowed_commands, ..ReadOptions::default() };
+        Device::parse_rad(&format!("{WHITE}{text}"), "top.rad", &dir.0, options)
+    };
+    assert_eq!(read("!xform sub/scene.rad").unwrap().surfaces.len(), 1);
+    let piped = read("!head -n 1 sub/ball.rad | sed \"s/0 0 0 1/0 0 7 1/\" | xform -t 1 0 0").unwrap();
+    assert_eq!(centers(&piped)[0].1, dvec3(1.0, 0.0, 7.0));
+    for (command, what) in [
+        ("!head missing", "top.rad:2: the command 'head missing' failed: exit status"),
+        ("!yes", "more than 1048576 bytes"),
+        ("!genbox white b 1 1 1 | sed p", "let that program read a file"),
+        ("!sed -n 1p sub/scene.rad x", "the command 'sed -n 1p sub/scene.rad x' failed"),
+        ("!head -c 6 sub/ball.rad", "output of 'head -c 6 sub/ball.rad':1: expected"),
+    ] {
+        let error = read(command).unwrap_err().to_string();
+        assert!(error.contains(what), "{command}: {error}");
+    }
+    fs::write(dir.0.join("again.rad"), "!sed -n 1p again.rad").unwrap();
+    let error = read("!sed -n 1p again.rad").unwrap_err();
+    assert!(matches!(error, DeviceError::Cycle { .. }), "{error}");
+}

@@ -2,7 +2,7 @@
 
 /// What a type of primitive is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Class {
+pub(crate) enum Class {
     /// Geometry that this reader handles.
     Surface,
     /// A material that this reader handles.
@@ -24,8 +24,8 @@ impl Class {
             "polygon" | "sphere" | "bubble" | "cylinder" | "tube" | "cone" | "cup" | "ring" => Class::Surface,
             "plastic" | "metal" | "trans" | "plastic2" | "metal2" | "trans2" | "glass" | "dielectric"
             | "interface" | "mirror" | "light" | "glow" | "spotlight" | "illum" | "plasfunc" | "metfunc"
-            | "transfunc" | "BRTDfunc" | "plasdata" | "metdata" | "transdata" | "BSDF" | "aBSDF" | "ashik2"
-            | "WGMDfunc" | "prism1" | "prism2" | "antimatter" => Class::Material,
+            | "transfunc" | "BRTDfunc" | "plasdata" | "metdata" | "transdata" | "BSDF" | "aBSDF"
+            | "ashik2" | "WGMDfunc" | "prism1" | "prism2" | "antimatter" => Class::Material,
             "texfunc" | "texdata" | "colorfunc" | "brightfunc" | "colordata" | "brightdata" | "colorpict"
             | "spectrum" | "specfile" | "specfunc" => Class::Modifier,
             "mixfunc" | "mixdata" | "mixpict" => Class::Mixture,
