@@ -104,3 +104,25 @@ fn blinds_of_pyradiance_come_again_from_their_geometry() {
 fn blinds_of_frads_come_again_from_their_geometry() {
     assert_made_of_its_geometry("frads/blinds30.xml", &[Side::Front], 500.0, 0.002);
 }
+
+/// Half of the light from the front comes back; from behind, nothing is there.
+#[test]
+fn one_sided_faces_are_not_there_from_behind() {
+    let square = "v a =\np -1 -1 0\nv b =\np 1 -1 0\nv c =\np 1 1 0\nv d =\np -1 1 0\n";
+    for (sides, behind) in [(1, [0.0, 1.0]), (2, [0.5, 0.0])] {
+        let text = format!("m x =\nrd .5\nsides {sides}\n{square}f a b c d\n");
+        let device = Device::parse_mgf(&text, "face.mgf", ".".as_ref(), Unit::Meter).unwrap();
+        let bsdf = generate(&device, &options(200), &Progress::default()).unwrap().bsdf;
+        let basis = Basis::full();
+        for patch in 0..basis.n_patches() {
+            let point = basis.disk_point(patch, 0.5, 0.5);
+            for (side, expected) in [(Side::Front, [0.5, 0.0]), (Side::Back, behind)] {
+                let incident = side.direction_from_disk(point);
+                for (lobes, expected) in [Lobes::Reflection, Lobes::Transmission].into_iter().zip(expected) {
+                    let total = visible(&bsdf).hemispherical(incident, lobes);
+                    assert!((total - expected).abs() < 2e-5, "sides {sides} {side:?} {lobes:?}: {total}");
+                }
+            }
+        }
+    }
+}
