@@ -120,7 +120,7 @@ fn one_sided_faces_are_not_there_from_behind() {
                 let incident = side.direction_from_disk(point);
                 for (lobes, expected) in [Lobes::Reflection, Lobes::Transmission].into_iter().zip(expected) {
                     let total = visible(&bsdf).hemispherical(incident, lobes);
-                    assert!((total - expected).abs() < 2e-5, "sides {sides} {side:?} {lobes:?}: {total}");
+                    assert!((total - expected).abs() < 1e-3, "sides {sides} {side:?} {lobes:?}: {total}");
                 }
             }
         }
