@@ -10,15 +10,15 @@ import os
 import pickle
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-_SPEC = find_spec("pyradiance")
-FOLDER = Path(_SPEC.origin).parent if _SPEC and _SPEC.origin else None
+from bsdftree._radiance.programs import environment, find_folder
+
+FOLDER = find_folder()
 SECONDS = 200
 
 needs_radiance = pytest.mark.skipif(
@@ -56,13 +56,12 @@ PARTS = {"reflection": REFLECTION, "transmission": TRANSMISSION, "all": ALL}
 def run(program: str, *arguments: object, stdin: str | bytes = b"", cwd: Path | None = None) -> bytes:
     """Output of one of Radiance's programs; its message, if it fails."""
     assert FOLDER is not None
-    environment = os.environ | {"RAYPATH": f".:{FOLDER / 'lib'}", "PATH": f"{FOLDER / 'bin'}:{os.environ['PATH']}"}
     done = subprocess.run(
         [FOLDER / "bin" / program, *map(str, arguments)],
         input=stdin.encode() if isinstance(stdin, str) else stdin,
         capture_output=True,
         cwd=cwd,
-        env=environment,
+        env=environment(),
         timeout=SECONDS,
     )
     if done.returncode != 0:

@@ -10,14 +10,16 @@ from __future__ import annotations
 
 import math
 import os
-import subprocess
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 import bsdftree
 from bsdftree import Bsdf
+from bsdftree._radiance.programs import environment, words_of
+from bsdftree._radiance.rcontrib import OPTIONS, bounds
+from bsdftree._radiance.reduce import reducer_words
+from bsdftree._radiance.scene import scene_of_files
 
 from .errors import Grids
 from .process import Cost, run
@@ -30,30 +32,8 @@ CLEARANCE = 1e-5
 """Of the senders from the device [m]."""
 
 
-def folder() -> Path:
-    spec = find_spec("pyradiance")
-    if spec is None or spec.origin is None:
-        raise SystemExit("no pyradiance; pip install 'bsdftree[radiance]' brings Radiance's programs")
-    return Path(spec.origin).parent
-
-
-def program(
-    name: str, *arguments: object, stdin: Path | None = None, stdout: Path | None = None, cwd: Path | None = None
-) -> Cost:
-    paths = {"RAYPATH": f".:{folder() / 'lib'}", "PATH": f"{folder() / 'bin'}{os.pathsep}{os.environ['PATH']}"}
-    command = [folder() / "bin" / name, *arguments]
-    return run(command, stdin=stdin, stdout=stdout, environment=os.environ | paths)
-
-
-def bounds(scene: Path) -> tuple[float, ...]:
-    """Smallest and largest x, y, z, as genBSDF asks for them."""
-    out = subprocess.run(
-        [folder() / "bin/getbbox", "-h", "-w", scene],
-        capture_output=True,
-        check=True,
-        env=os.environ | {"PATH": f"{folder() / 'bin'}{os.pathsep}{os.environ['PATH']}"},
-    )
-    return tuple(map(float, out.stdout.split()))
+def program(name: str, *arguments: object, stdin: Path | None = None, stdout: Path | None = None) -> Cost:
+    return run(words_of(name, *arguments), stdin=stdin, stdout=stdout, environment=environment())
 
 
 def rays(samples: int, box: tuple[float, ...]) -> int:
@@ -65,7 +45,7 @@ def rays(samples: int, box: tuple[float, ...]) -> int:
 
 def genbsdf(scene: Path, log2_res: int, samples: int, work: Path) -> tuple[Path, Cost]:
     """Generate as genBSDF does; the XML file and what all programs cost together."""
-    n, box = 2**log2_res, bounds(scene)
+    n, box = 2**log2_res, bounds(scene_of_files([scene]))
     octree, sender, receivers = work / "device.oct", work / "sender.rad", work / "receivers.rad"
     face, behind = work / "face.dat", work / "behind.dat"
     x0, x1, y0, y1, _, z1 = box
@@ -77,7 +57,7 @@ def genbsdf(scene: Path, log2_res: int, samples: int, work: Path) -> tuple[Path,
         f"#@rfluxmtx h=+sc{n}\n#@rfluxmtx u=-Y o={behind}\n\n{_sky('behind', -1)}"
     )
     cost = program("oconv", "-w", scene, stdout=octree)
-    settings = ["-ab", 5, "-ad", 700, "-lw", 3e-6, "-w-", "-n", os.cpu_count() or 1, "-c", rays(samples, box)]
+    settings = [*OPTIONS, "-w-", "-n", os.cpu_count() or 1, "-c", rays(samples, box)]
     cost += program("rfluxmtx", *settings, "-h", "-ff", sender, receivers, "-i", octree)
     files = {"transmission_back": behind, "reflection_back": face}
     for key, colors in files.items():
@@ -113,8 +93,7 @@ def reduced(values: dict[str, Path], log2_res: int, cull_percent: float, work: P
     cost, inputs = Cost(), []
     for key, path in values.items():
         tree = work / f"{key}.tree"
-        averaged = ["-a"] if key.startswith("reflection") else []
-        settings = [*averaged, "-h", "-ff", "-t", cull_percent, "-r", 4, "-g", log2_res]
+        settings = reducer_words(4, log2_res, cull_percent, key.startswith("reflection"))
         cost += program("rttree_reduce", *settings, path, stdout=tree)
         inputs += [FLAGS[key], tree]
     xml = work / "incumbent.xml"

@@ -37,6 +37,7 @@ def generate(
     tile: bool = False,
     unit: str = "meter",
     up: str = "y",
+    geometry: bool = False,
     seed: int = 0,
     threads: int | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
@@ -100,6 +101,8 @@ def generate(
         Unit of length in scene files and in the header of the result.
     up
         The axis that points up in the drawing: x, -x, y, -y, z or -z.
+    geometry
+        Whether to put the device into the file too, as MGF, its middle at x = y = 0, as genBSDF does.
     seed
         Equal seeds give equal bits, whatever the number of threads.
     threads
@@ -161,6 +164,7 @@ def generate(
             dim=dim,
             unit=unit,
             up=up,
+            geometry=geometry,
             seed=seed,
             processes=threads or os.cpu_count() or 1,
             options=rcontrib,
@@ -199,6 +203,7 @@ def generate(
         seed=seed,
         threads=threads,
         checkpoint=None if checkpoint is None else os.fspath(checkpoint),
+        geometry=geometry,
     )
     told = False
     try:

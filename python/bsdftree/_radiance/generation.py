@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -37,6 +38,7 @@ def generate_by_radiance(
     dim: Sequence[float] | None,
     unit: str,
     up: str,
+    geometry: bool,
     seed: int,
     processes: int,
     options: Sequence[str],
@@ -84,7 +86,19 @@ def generate_by_radiance(
         unit=unit,
         provenance=[made],
         size=(x1 - x0, y1 - y0, max(0.0, -z0)),
+        geometry=_geometry(traced, "meter" if meters == 1.0 else unit) if geometry else None,
     )
+
+
+def _geometry(traced: Traced, unit: str) -> tuple[str, str]:
+    """Return what was traced as MGF, its middle at x = y = 0, and its unit."""
+    x0, x1, y0, y1, _, _ = traced.dim
+    # rad2mgf reads files only.
+    with tempfile.TemporaryDirectory(prefix="bsdftree-") as folder:
+        path = Path(folder) / "device.rad"
+        path.write_bytes(traced.scene.text)
+        mgf = run("rad2mgf", path, directories=traced.scene.directories).decode(errors="replace")
+    return f"xf -t {-(x0 + x1) / 2:.6f} {-(y0 + y1) / 2:.6f} 0\n{mgf}xf\n", unit
 
 
 def scene_of(device: Devices, unit: str, allow_commands: Sequence[str]) -> tuple[SceneText, float]:

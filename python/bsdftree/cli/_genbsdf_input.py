@@ -1,4 +1,4 @@
-"""What genBSDF is given, for either engine: something to trace, how large it is, and its geometry as MGF.
+"""What genBSDF is given, for either engine: something to trace, and how large it is.
 
 Our tracer takes what our reader makes of the input; Radiance takes the scene itself, which may have what our reader
 does not know.
@@ -34,16 +34,6 @@ class Input:
 
     device: Device | SceneText
     bounds: tuple[float, ...]
-
-    def mgf(self, unit: str) -> tuple[str, list[str]]:
-        """Return the geometry as MGF, and what MGF cannot say of it."""
-        if isinstance(self.device, Device):
-            return self.device.to_mgf(unit)
-        # rad2mgf reads files only.
-        with tempfile.TemporaryDirectory(prefix="bsdftree-") as folder:
-            path = Path(folder) / "device.rad"
-            path.write_bytes(self.device.text)
-            return run("rad2mgf", path, directories=self.device.directories).decode(errors="replace"), []
 
 
 def read_input(asked: Request, scene: bytes | None) -> Input:

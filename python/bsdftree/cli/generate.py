@@ -140,6 +140,7 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
     show_default=True,
     help="Axis that points up in the drawing. With z, the room is towards -Y of the drawing.",
 )
+@click.option("--geometry", is_flag=True, help="Put the device into the file too, as MGF.")
 @click.option("--name", help="Name of the product in the file.")
 @click.option("--manufacturer", help="Its maker.")
 @click.option(
@@ -219,6 +220,7 @@ def generate(
     tile: bool,
     unit: str,
     up: str,
+    geometry: bool,
     name: str | None,
     manufacturer: str | None,
     seed: int,
@@ -295,6 +297,7 @@ def generate(
             tile=tile,
             unit=unit,
             up=up,
+            geometry=geometry,
             seed=seed,
             threads=threads,
             checkpoint=checkpoint,
