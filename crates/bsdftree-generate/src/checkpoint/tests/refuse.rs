@@ -67,6 +67,28 @@ fn another_device_is_refused_with_its_line_and_another_name_is_not() {
 }
 
 #[test]
+fn devices_that_differ_in_a_function_file_are_told_apart_but_not_by_its_place() {
+    let patterned = |definition: &str, line: &str| {
+        let folder = directory();
+        fs::write(folder.path().join("f.cal"), definition).expect("written");
+        let text = format!(
+            "{line}void brightfunc dirt 2 f f.cal 0 0\ndirt plastic p 0 0 5 .5 .5 .5 0 0\n\
+             p polygon s 0 0 9 0 0 0 1 0 0 0 1 0"
+        );
+        Device::parse_rad(&text, "s.rad", folder.path(), bsdftree_device::Unit::Meter).expect("a device")
+    };
+    let kept = directory();
+    let options = Options { samples: 10, ..tiny(Rank::Three) };
+    let kept_options = Options { checkpoint: Some(kept.path().into()), ..options.clone() };
+    let device = patterned("f = .5;", "");
+    generate(&device, &kept_options, &Progress::default()).expect("a generation");
+    // Elsewhere, and on another line.
+    generate(&patterned("f = .5;", "\n\n"), &kept_options, &Progress::default()).expect("the same device");
+    let message = refusal(&patterned("f = .6;", ""), &options, kept.path());
+    assert!(message.contains("the device has, as line") && message.contains("m1 is Modified"), "{message}");
+}
+
+#[test]
 fn another_version_or_format_is_refused() {
     let kept = directory();
     let options = tiny(Rank::Three);
