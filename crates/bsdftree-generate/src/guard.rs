@@ -148,8 +148,15 @@ fn leaves_to_split<S: Spectrum>(
         /// What it contributes to the cells that deviate, in the direction of their deviation.
         parts: Vec<(u32, f64)>,
     }
+    // How many incident cells before each deviate: most leaves meet none that does.
+    let mut deviating = vec![0u32; excess.len() + 1];
+    for (row, &excess) in excess.iter().enumerate() {
+        deviating[row + 1] = deviating[row] + u32::from(excess > 0.0);
+    }
     let candidate = |(index, leaf): (usize, &Leaf)| {
-        if leaf.split.is_some() || reducer.is_whole(&leaf.region, &leaf.members) {
+        let Region { first_row, n_rows, .. } = leaf.region;
+        let any = deviating[(first_row + n_rows) as usize] > deviating[first_row as usize];
+        if !any || leaf.split.is_some() || reducer.is_whole(&leaf.region, &leaf.members) {
             return None;
         }
         let mut parts = Vec::new();

@@ -11,7 +11,7 @@ use bsdftree_device::Device;
 
 use super::deposit::{Deposits, Row as Laid, Walker};
 use super::entrance::Entrance;
-use super::model::{Model, SideRows, model_layout};
+use super::model::{MAX_LOG2, Model, SideRows, model_layout};
 use super::sites::{Fineness, Sites};
 use crate::layout::Layout;
 use crate::options::Aperture;
@@ -31,6 +31,10 @@ const PER_UNWANTED: u64 = 4;
 /// Walks between sites per walk from an incident cell, within these limits.
 const EXCHANGE: u64 = 4;
 const EXCHANGE_LIMITS: [u64; 2] = [512, 8192];
+
+/// Walks from each cell of a model that is as fine as a model can be; with fewer it is as exact with cells twice as large, at a third of
+/// the time in all.
+const FOR_FINEST: u64 = 256;
 
 /// What a device needs for its diffused light to be followed from both ends.
 pub(crate) struct Reuse {
@@ -101,7 +105,16 @@ impl Reuse {
     /// The model of what was laid down by `samples` walks from each incident cell.
     pub fn model<S: Spectrum>(&self, walker: &Walker<'_, S>, rows: &[SideRows; 2], samples: u64) -> Model<S> {
         let walks = (samples * EXCHANGE).clamp(EXCHANGE_LIMITS[0], EXCHANGE_LIMITS[1]);
-        Model::new(walker, &self.layout, rows.each_ref().map(|side| Some(side.clone())), walks)
+        let mut rows = rows.each_ref().map(|side| Some(side.clone()));
+        let mut layout = self.layout.clone();
+        let walks_per_cell = samples * (walker.layout.n_incident() / layout.n_incident()) as u64;
+        if let Layout::Tree { log2_res: log2_res @ MAX_LOG2, .. } = &mut layout
+            && walks_per_cell < FOR_FINEST
+        {
+            *log2_res -= 1;
+            rows = rows.map(|side| side.map(|replicates| replicates.map(pooled)));
+        }
+        Model::new(walker, &layout, rows, walks)
     }
 }
 
@@ -151,6 +164,18 @@ impl<S: Spectrum> Walker<'_, S> {
     }
 }
 
+/// Rows of cells of a tree as those of the next coarser ones: means over fours.
+fn pooled(rows: Vec<Laid>) -> Vec<Laid> {
+    let mean = |four: &[Laid], values: fn(&Laid) -> &[f32]| -> Vec<f32> {
+        (0..values(&four[0]).len())
+            .map(|k| 0.25 * four.iter().map(|row| values(row)[k]).sum::<f32>())
+            .collect()
+    };
+    let pool =
+        |four: &[Laid]| Laid { sent: mean(four, |row| &row.sent), arrived: mean(four, |row| &row.arrived) };
+    rows.chunks_exact(4).map(pool).collect()
+}
+
 /// Means of `before` walks and of `more` walks after them as means of all.
 pub(crate) fn mean_of(row: &mut Laid, before: u64, new: &Laid, more: u64) {
     if row.sent.is_empty() {
@@ -163,4 +188,17 @@ pub(crate) fn mean_of(row: &mut Laid, before: u64, new: &Laid, more: u64) {
     };
     mix(&mut row.sent, &new.sent);
     mix(&mut row.arrived, &new.arrived);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pooled_rows_are_means_of_four() {
+        let row = |k: usize| Laid { sent: vec![k as f32, 1.0], arrived: vec![0.0, 2.0 * k as f32] };
+        let pooled = pooled((0..8).map(row).collect());
+        assert_eq!(pooled.len(), 2);
+        assert_eq!((&pooled[1].sent[..], &pooled[1].arrived[..]), (&[5.5, 1.0][..], &[0.0, 11.0][..]));
+    }
 }
