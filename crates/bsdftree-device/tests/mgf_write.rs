@@ -162,6 +162,23 @@ fn plain_devices_come_back_the_same() {
 }
 
 #[test]
+fn materials_of_parts_come_back() {
+    for material in [
+        "rd .3\nrs .2 .05\nts .1 .15",
+        "c\ncxy .4 .4\nrd .3\nc\ncxy .2 .3\ntd .3\nrs .05 .1\nsides 1",
+        "c\ncxy .45 .4\nrs .3 .1\nc\ncxy .3 .4\nrd .1",
+    ] {
+        let device = read(&format!("v a =\nm x =\n{material}\nsph a 1\n"), Unit::Meter);
+        let mgf = device.to_mgf(Unit::Meter);
+        assert_eq!(mgf.losses, Vec::<String>::new(), "{}", device.to_rad());
+        let again = read(&mgf.text, Unit::Meter);
+        let [a, b] = [&device, &again].map(|d| made_of(d)[0].material.clone().unwrap());
+        assert_eq!((&a.kind, a.reals.len()), (&b.kind, 19));
+        assert!(near(&a.reals, &b.reals, 1e-12), "{a:?}\n{b:?}");
+    }
+}
+
+#[test]
 fn one_sided_surfaces_come_back() {
     for material in ["rd .5", "rd 0", "td .4\nrs .05 .1"] {
         let text = format!("v a =\nm x =\n{material}\nsides 1\nsph a 1\n");
