@@ -276,6 +276,23 @@ fn mgf2rad_reads_what_is_written() {
     }
 }
 
+/// What a BSDF file holds is what pkgBSDF gives to mgf2rad.
+#[test]
+fn mgf2rad_reads_the_geometry_of_a_file() {
+    let Some(mgf2rad) = radiance("mgf2rad") else { return };
+    let blinds = Device::from_spec("blinds:glazing=0.88").unwrap();
+    let (geometry, losses) = blinds.to_bsdf_geometry(bsdftree::LengthUnit::Inch, [0.25, -0.5]);
+    assert!(losses.is_empty());
+    let theirs = made(&translated(&mgf2rad, &geometry.mgf).unwrap());
+    let ours = made_of(&Device::from_bsdf_geometry(&geometry, Unit::Meter).unwrap());
+    assert_eq!((ours.len(), theirs.len()), (blinds.surfaces.len(), blinds.surfaces.len()));
+    for (a, b) in ours.iter().zip(&theirs) {
+        let in_meters: Vec<f64> = b.surface.reals.iter().map(|x| x * 0.0254).collect();
+        assert!(near(&a.surface.reals, &in_meters, 1e-9), "{a:?}\n{b:?}");
+        assert_eq!(a.material.as_ref().map(|m| &m.kind), b.material.as_ref().map(|m| &m.kind));
+    }
+}
+
 #[test]
 fn rad2mgf_says_the_same() {
     let Some(rad2mgf) = radiance("rad2mgf") else { return };
