@@ -7,7 +7,7 @@ VERSION = $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 # Everything that makes the extension module out of date.
 SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: help setup demo test test-rust test-python lint format bench bench-generate install-c docs clean
+.PHONY: help setup demo test test-rust test-python lint format bench bench-generate devices-report install-c docs clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -59,6 +59,9 @@ install-c: ## Install bsdftree.h and the C library under PREFIX (/usr/local)
 	install -m 755 target/release/libbsdftree_c.so $(PREFIX)/lib/libbsdftree.so.0
 	ln -sf libbsdftree.so.0 $(PREFIX)/lib/libbsdftree.so
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' crates/bsdftree-c/bsdftree.pc.in > $(PREFIX)/lib/pkgconfig/bsdftree.pc
+
+devices-report: setup ## Devices of every kind beside Radiance, patch by patch, into docs/devices.md; 15 minutes
+	$(BIN)/python -m benches.devices
 
 docs: ## API documentation of the crates, in target/doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

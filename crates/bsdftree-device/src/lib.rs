@@ -1,9 +1,10 @@
 //! Device geometry and materials in.
 //!
 //! A [`Device`] is what scatters light: surfaces with their materials, in metres, the front (the room) towards +Z, up
-//! towards +Y. It comes from Radiance scene files ([`Device::read_rad`], [`Device::parse_rad`]), from a family of
+//! towards +Y. It comes from Radiance scene files ([`Device::read_rad`], [`Device::parse_rad`]), from MGF
+//! ([`Device::read_mgf`], [`Device::parse_mgf`]) and the geometry inside BSDF files ([`Device::read_bsdf_geometry`]), from a family of
 //! parametric devices ([`Device::from_spec`], [`parametric::families`]), or is put together from its public fields;
-//! [`Device::to_rad`] writes it as a Radiance scene. How light scatters from it is for `bsdftree-generate`.
+//! [`Device::to_rad`] writes it as a Radiance scene, [`Device::to_mgf`] as MGF. How light scatters from it is for `bsdftree-generate`.
 //!
 //! ```
 //! use bsdftree_device::{Device, Material, Unit};
@@ -25,7 +26,7 @@
 //! ```
 //!
 //! Modules in the order in which data flows: [`mod@unit`], [`mod@error`], [`options`], [`cal`], [`field`], [`material`], [`mesh`], [`shape`], [`device`], `rad` (scene
-//! files), [`parametric`].
+//! files), `mgf`, [`parametric`].
 
 pub mod cal;
 pub mod device;

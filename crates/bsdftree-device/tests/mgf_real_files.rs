@@ -46,6 +46,11 @@ fn the_coloured_diffuser_is_read() {
     let Some(path) = data("radiance/testspecmat.mgf") else { return };
     let device = Device::read_mgf(&[path], Unit::Meter).unwrap();
     assert_eq!((device.surfaces.len(), device.materials[0].name.as_str()), (1, "SpectralDiffuser"));
+    let Material::Wgmd(wgmd) = &device.materials[0].material else { panic!("{:?}", device.materials) };
+    // As mgf2rad has it, which rounds spectra.
+    let near = |a: DVec3, b: [f64; 3]| (a - DVec3::from_array(b)).abs().max_element() < 2e-3;
+    assert!(near(wgmd.diffuse_reflection[0], [0.233271, 0.141179, 0.083439]), "{wgmd:?}");
+    assert!(near(wgmd.diffuse_transmission, [0.528095, 0.384498, 0.036183]), "{wgmd:?}");
 }
 
 /// The geometry of a file reaches over the box that its header gives.

@@ -162,6 +162,23 @@ fn plain_devices_come_back_the_same() {
 }
 
 #[test]
+fn materials_of_parts_come_back() {
+    for material in [
+        "rd .3\nrs .2 .05\nts .1 .15",
+        "c\ncxy .4 .4\nrd .3\nc\ncxy .2 .3\ntd .3\nrs .05 .1\nsides 1",
+        "c\ncxy .45 .4\nrs .3 .1\nc\ncxy .3 .4\nrd .1",
+    ] {
+        let device = read(&format!("v a =\nm x =\n{material}\nsph a 1\n"), Unit::Meter);
+        let mgf = device.to_mgf(Unit::Meter);
+        assert_eq!(mgf.losses, Vec::<String>::new(), "{}", device.to_rad());
+        let again = read(&mgf.text, Unit::Meter);
+        let [a, b] = [&device, &again].map(|d| made_of(d)[0].material.clone().unwrap());
+        assert_eq!((&a.kind, a.reals.len()), (&b.kind, 19));
+        assert!(near(&a.reals, &b.reals, 1e-12), "{a:?}\n{b:?}");
+    }
+}
+
+#[test]
 fn one_sided_surfaces_come_back() {
     for material in ["rd .5", "rd 0", "td .4\nrs .05 .1"] {
         let text = format!("v a =\nm x =\n{material}\nsides 1\nsph a 1\n");
@@ -256,6 +273,23 @@ fn mgf2rad_reads_what_is_written() {
         if a.kind == b.kind && a.reals[3] < 0.9 {
             assert!(near(&a.reals, &b.reals, 3e-5), "{a:?}\n{b:?}");
         }
+    }
+}
+
+/// What a BSDF file holds is what pkgBSDF gives to mgf2rad.
+#[test]
+fn mgf2rad_reads_the_geometry_of_a_file() {
+    let Some(mgf2rad) = radiance("mgf2rad") else { return };
+    let blinds = Device::from_spec("blinds:glazing=0.88").unwrap();
+    let (geometry, losses) = blinds.to_bsdf_geometry(bsdftree::LengthUnit::Inch, [0.25, -0.5]);
+    assert!(losses.is_empty());
+    let theirs = made(&translated(&mgf2rad, &geometry.mgf).unwrap());
+    let ours = made_of(&Device::from_bsdf_geometry(&geometry, Unit::Meter).unwrap());
+    assert_eq!((ours.len(), theirs.len()), (blinds.surfaces.len(), blinds.surfaces.len()));
+    for (a, b) in ours.iter().zip(&theirs) {
+        let in_meters: Vec<f64> = b.surface.reals.iter().map(|x| x * 0.0254).collect();
+        assert!(near(&a.surface.reals, &in_meters, 1e-9), "{a:?}\n{b:?}");
+        assert_eq!(a.material.as_ref().map(|m| &m.kind), b.material.as_ref().map(|m| &m.kind));
     }
 }
 

@@ -23,7 +23,7 @@ from bsdftree.cli._genbsdf_input import read_input
 from bsdftree.cli._genbsdf_words import USAGE, Request, UsageError, request
 from bsdftree.cli._progress import PathsBar
 
-PATHS_PER_SAMPLE = {"klems": 64, "tree": 8}
+PATHS_PER_SAMPLE = {"klems": 64, "tree": 16}
 """A sample of genBSDF sends out up to 700 rays where it meets a diffuse surface, a path of ours one; in trees, diffuse
 vertices are reused. As many paths make errors at most as large as genBSDF's, and cost less: see COMPARE.md."""
 CULL_DETAIL = 1.0

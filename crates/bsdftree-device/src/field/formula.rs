@@ -11,8 +11,9 @@ use super::FieldProblem;
 use super::space::Seen;
 use crate::cal::{Expressions, Function, Scratch};
 
-/// Formulas in the words of a modifier, such as `refl` or `if(Px,1,.5)`, that are worked out together.
-#[derive(Clone, PartialEq)]
+/// Formulas in the words of a modifier, such as `refl` or `if(Px,1,.5)`, that are worked out together. Equal by their words: what
+/// these mean is in the function file.
+#[derive(Clone)]
 pub struct Formulas {
     /// As they stand in the scene.
     pub texts: Vec<Arc<str>>,
@@ -20,8 +21,8 @@ pub struct Formulas {
     pub expressions: Expressions,
 }
 
-/// A function that a modifier names.
-#[derive(Clone, PartialEq)]
+/// A function that a modifier names. Equal by its name.
+#[derive(Clone)]
 pub struct Call {
     /// As it stands in the scene.
     pub name: Arc<str>,
@@ -70,6 +71,18 @@ impl Call {
     /// What it makes of the numbers at a place, of which it stands for number `k`.
     pub(super) fn of(&self, numbers: &[f64], k: usize, seen: &Seen) -> Result<f64, FieldProblem> {
         self.call(if self.takes_all { numbers } else { &numbers[k..=k] }, seen)
+    }
+}
+
+impl PartialEq for Formulas {
+    fn eq(&self, other: &Formulas) -> bool {
+        self.texts == other.texts
+    }
+}
+
+impl PartialEq for Call {
+    fn eq(&self, other: &Call) -> bool {
+        (&self.name, self.takes_all) == (&other.name, other.takes_all)
     }
 }
 

@@ -94,6 +94,11 @@ impl Color {
         near(self.x) && near(self.y)
     }
 
+    /// Whether two pass for the same, by mgf2rad's measure.
+    pub(super) fn is_like(self, other: Color) -> bool {
+        (self.x - other.x).abs() + (self.y - other.y).abs() <= 0.015
+    }
+
     /// Whether two are the same but for the last of the six digits that rad2mgf writes.
     pub(super) fn is_same(self, other: Color) -> bool {
         (self.x - other.x).abs() <= 1.5e-6 && (self.y - other.y).abs() <= 1.5e-6

@@ -8,15 +8,23 @@
 //! * All that is transmitted is kept (mgf2rad drops `td` + `ts` of up to 0.01), and `trans` without diffuse reflection is as bright as said.
 //! * White highlights over a coloured diffuse part make a `plastic`, however strong, and highlights of the same colour a `metal`,
 //!   however weak; mgf2rad goes by their strength.
+//! * Tinted highlights of what transmits keep their colour.
 //! * `ts 1 0` alone is nothing at all, as rad2mgf means it; what neither reflects nor transmits is black.
+
+use std::sync::Arc;
 
 use bsdftree::color::xyz_from_rgb;
 use glam::DVec3;
 
 use super::color::{Color, towards_grey};
 use super::finish::{Diffuse, Finish, Specular};
+use super::formula;
 use super::sides;
-use crate::material::{Gloss, GlossKind, Material, Medium, transmissivity_from_transmittance};
+use crate::error::Place;
+use crate::field::Field;
+use crate::material::{
+    Gloss, GlossKind, Material, Medium, Modifier, Wgmd, transmissivity_from_transmittance,
+};
 
 /// Radiance's material, and what to tell.
 #[derive(Clone, Debug)]
@@ -52,6 +60,9 @@ pub(super) fn describe(finish: &Finish, name: &str, meters: f64) -> Result<Descr
         Material::Void
     } else if let Some(transmittance) = describer.is_clear().then(|| ts.color.rgb(ts.amount)) {
         if finish.one_sided { describer.solid(transmittance, meters) } else { describer.pane(transmittance) }
+    } else if is_of_parts(finish) {
+        let parts = describer.parts();
+        describer.sided(parts)
     } else if td.amount + ts.amount > 0.0 {
         let trans = describer.trans();
         describer.sided(trans)
@@ -88,6 +99,18 @@ fn is_plastic(rd: Diffuse, rs: Specular) -> bool {
         return white;
     }
     rs.amount < 0.1 && (rs.amount < 0.1 * rd.amount || rs.color.is_grey())
+}
+
+/// Whether its parts are too different for the simple materials: in roughness, or in colour.
+fn is_of_parts(finish: &Finish) -> bool {
+    let Finish { rd, td, rs, ts, .. } = *finish;
+    let clash = |a: (f64, Color), b: (f64, Color)| a.0 > 0.01 && b.0 > 0.01 && !a.1.is_like(b.1);
+    let [rd_, td_, ts_] = [(rd.amount, rd.color), (td.amount, td.color), (ts.amount, ts.color)];
+    let rough = rs.amount > 0.02 && ts.amount > 0.02 && (rs.roughness - ts.roughness).abs() > 0.02;
+    let tinted = !rs.color.is_grey();
+    let beside = rs.amount > 0.05 && rd.amount > 0.05 && tinted && !rs.color.is_like(rd.color);
+    let over = rs.amount > 0.01 && td.amount + ts.amount > 0.01 && tinted;
+    rough || beside || over || clash(ts_, td_) || clash(td_, rd_) || clash(rd_, ts_)
 }
 
 struct Describer<'a> {
@@ -130,10 +153,7 @@ impl Describer<'_> {
 
     /// As many sides as it has; those of a clear solid are what bounds it.
     fn sided(&self, material: Material) -> Material {
-        match &self.finish.at {
-            Some(at) if self.finish.one_sided => sides::front_only(material, self.name, at),
-            _ => material,
-        }
+        if self.finish.one_sided { sides::front_only(material, self.name, &self.place()) } else { material }
     }
 
     fn pane(&mut self, transmittance: DVec3) -> Material {
@@ -185,6 +205,41 @@ impl Describer<'_> {
             transmission: through / inner,
             transmitted_specular: ts.amount / through,
         })
+    }
+
+    /// `WGMDfunc`: each part by itself.
+    fn parts(&mut self) -> Material {
+        let Finish { rd, td, rs, ts, .. } = *self.finish;
+        let [rd, td] = [rd, td].map(|part| self.within(part.color.rgb(part.amount)));
+        let reals = [rd, rd, td].map(|color| color.to_array()).concat();
+        let (reflection, of_reflection) = self.specular(rs, &reals);
+        let (transmission, of_transmission) = self.specular(ts, &reals);
+        Material::Wgmd(Arc::new(Wgmd {
+            diffuse_reflection: [rd; 2],
+            diffuse_transmission: td,
+            reflection,
+            transmission,
+            orientation: self.constant([0.0, 0.0, 1.0], &reals),
+            modifiers: [Some(of_reflection), Some(of_transmission), Some(Arc::from([]))],
+        }))
+    }
+
+    /// Fraction and roughness, and the pattern that colours them.
+    fn specular(&mut self, part: Specular, reals: &[f64]) -> (Field<3>, Arc<[Modifier]>) {
+        let color = self.within(part.color.rgb(part.amount));
+        let (fraction, pattern) = match part.color == Color::NEUTRAL {
+            true => (part.amount, Vec::new()),
+            false => (1.0, vec![Modifier::Color(self.constant(color.to_array(), &[]))]),
+        };
+        (self.constant([fraction, part.roughness, part.roughness], reals), pattern.into())
+    }
+
+    fn constant(&self, numbers: [f64; 3], reals: &[f64]) -> Field<3> {
+        formula::constant(numbers, reals, "material", self.name, &self.place())
+    }
+
+    fn place(&self) -> Place {
+        self.finish.at.clone().unwrap_or_else(|| Place { file: "".into(), line: 0 })
     }
 
     fn plastic(&mut self) -> Material {

@@ -9,13 +9,14 @@
 //! [`scene`] (includes), [`piece`] (holes, normals, tori), [`material`], [`color`], [`entity`] (names).
 //!
 //! Modules in the order in which data flows: [`source`] → [`entity`] → [`context`]; colours and materials: [`observer`] → [`color`] →
-//! [`palette`] → [`finish`] → [`mod@material`] ([`sides`]); surfaces: [`piece`] → [`geometry`], [`frame`] → [`place`]; all together in [`scene`]; back to
+//! [`palette`] → [`finish`] → [`mod@material`] ([`formula`], [`sides`]); surfaces: [`piece`] → [`geometry`], [`frame`] → [`place`]; all together in [`scene`]; back to
 //! text: [`mod@write`] with `write_material`.
 
 pub(crate) mod color;
 mod context;
 mod entity;
 mod finish;
+mod formula;
 mod frame;
 mod geometry;
 mod material;

@@ -5,13 +5,15 @@
 //! transmissivity reflects, and nothing is dropped without being listed.
 
 use std::fmt::{self, Write};
+use std::sync::Arc;
 
 use bsdftree::Lobes;
 use glam::DVec3;
 
+use super::formula;
 use super::material::{ONE_SIDED_THICKNESS, chromaticity, fresnel, pane_reflectance};
 use super::sides::of_front_only;
-use crate::material::{Gloss, GlossKind, Material, Medium};
+use crate::material::{Gloss, GlossKind, Material, Medium, Modifier, Wgmd};
 
 /// Writes the entities after `m name =`; what is lost.
 pub(super) fn write_material(
@@ -41,31 +43,31 @@ pub(super) fn write_material(
         Material::Oriented { gloss, .. } => write_gloss(to, gloss, &mut lost)?,
         Material::Function(function) => {
             lost.push("that it is specular by a function: it is diffuse");
-            diffuse(to, "rd", function.color * (1.0 - function.transmission))?;
-            diffuse(to, "td", function.color * function.transmission)?;
+            let part = |fraction: f64| function.color * fraction;
+            Parts { rd: part(1.0 - function.transmission), td: part(function.transmission), ..Parts::NONE }
+                .write(to)?;
         }
         Material::Brtd(brtd) => {
             lost.push("that it is specular by a function: it is diffuse");
-            diffuse(to, "rd", brtd.diffuse_reflection[0])?;
-            diffuse(to, "td", brtd.diffuse_transmission)?;
+            let (rd, td) = (brtd.diffuse_reflection[0], brtd.diffuse_transmission);
+            Parts { rd, td, ..Parts::NONE }.write(to)?;
         }
         Material::Measured(measured) => {
             lost.push("that it scatters as a BSDF file says: it is diffuse");
-            let total = |lobes| measured.file.band().hemispherical([0.0, 0.0, 1.0], lobes).min(1.0);
-            diffuse(to, "rd", DVec3::splat(total(Lobes::Reflection)))?;
-            diffuse(to, "td", DVec3::splat(total(Lobes::Transmission)))?;
+            let total = |lobes| DVec3::splat(measured.file.band().hemispherical([0.0, 0.0, 1.0], lobes));
+            Parts { rd: total(Lobes::Reflection), td: total(Lobes::Transmission), ..Parts::NONE }
+                .write(to)?;
         }
         Material::Ashikhmin(ashikhmin) => {
             lost.push("that its highlight has another form");
-            diffuse(to, "rd", ashikhmin.diffuse)?;
             // The slope whose distribution is as wide.
             let [u, v] = ashikhmin.power.map(|n| (2.0 / (n + 2.0)).sqrt());
-            specular(to, "rs", ashikhmin.specular, 0.5 * (u + v))?;
+            let rs = (ashikhmin.specular, 0.5 * (u + v));
+            Parts { rd: ashikhmin.diffuse, rs, ..Parts::NONE }.write(to)?;
         }
         Material::Wgmd(wgmd) => {
-            lost.push("that it is specular by a function: it is diffuse");
-            diffuse(to, "rd", wgmd.diffuse_reflection[0])?;
-            diffuse(to, "td", wgmd.diffuse_transmission)?;
+            let parts = Parts::of_wgmd(wgmd, &mut lost);
+            parts.write(to)?;
         }
         Material::Prism(_) => {
             lost.push("that it sends light elsewhere: it is not there");
@@ -76,7 +78,9 @@ pub(super) fn write_material(
             writeln!(to, "\tts 1 0")?;
         }
         Material::Mixture { foreground, .. } => {
-            if let Some(front @ (Material::Gloss(_) | Material::Black)) = of_front_only(material) {
+            if let Some(front @ (Material::Gloss(_) | Material::Black | Material::Wgmd(_))) =
+                of_front_only(material)
+            {
                 writeln!(to, "\tsides 1")?;
                 return write_material(to, front, meters);
             }
@@ -126,6 +130,57 @@ fn write_dielectric(to: &mut String, inside: &Medium, outside: &Medium, meters: 
     specular(to, "rs", DVec3::splat(r), 0.0)?;
     let through = inside.transmittance.map(|t| t.powf(ONE_SIDED_THICKNESS * meters));
     specular(to, "ts", through * (1.0 - r), 0.0)
+}
+
+/// What MGF says of a surface, each part with its colour; the specular ones with their roughness.
+#[derive(Clone, Copy)]
+struct Parts {
+    rd: DVec3,
+    td: DVec3,
+    rs: (DVec3, f64),
+    ts: (DVec3, f64),
+}
+
+impl Parts {
+    const NONE: Parts =
+        Parts { rd: DVec3::ZERO, td: DVec3::ZERO, rs: (DVec3::ZERO, 0.0), ts: (DVec3::ZERO, 0.0) };
+
+    /// All of it if it is made of numbers.
+    fn of_wgmd(wgmd: &Wgmd, lost: &mut Vec<&'static str>) -> Parts {
+        let [front, back] = wgmd.diffuse_reflection;
+        if front != back {
+            lost.push("that its back differs");
+        }
+        let mut parts = Parts { rd: front, td: wgmd.diffuse_transmission, ..Parts::NONE };
+        let specular = |field, modifiers: &Option<Arc<[Modifier]>>| {
+            let [fraction, u, v] = formula::numbers(field)?;
+            let color = match modifiers.as_deref().unwrap_or_default() {
+                [] => DVec3::ONE,
+                [Modifier::Color(color)] => DVec3::from_array(formula::numbers(color)?),
+                _ => return None,
+            };
+            (u == v).then_some((color * fraction, u))
+        };
+        let [of_reflection, of_transmission, of_diffuse] = &wgmd.modifiers;
+        let specular =
+            [specular(&wgmd.reflection, of_reflection), specular(&wgmd.transmission, of_transmission)];
+        match (specular, of_diffuse.as_deref().unwrap_or_default()) {
+            ([Some(rs), Some(ts)], []) => (parts.rs, parts.ts) = (rs, ts),
+            _ => lost.push("that it is specular by functions, or has patterns: it is diffuse"),
+        }
+        parts
+    }
+
+    /// Less of all if it were more than there is.
+    fn write(&self, to: &mut String) -> fmt::Result {
+        let all = [self.rd, self.td, self.rs.0, self.ts.0];
+        let sum: f64 = all.iter().map(|&part| chromaticity(part).0).sum();
+        let [rd, td, rs, ts] = all.map(|part| part / sum.max(1.0));
+        diffuse(to, "rd", rd)?;
+        diffuse(to, "td", td)?;
+        specular(to, "rs", rs, self.rs.1)?;
+        specular(to, "ts", ts, self.ts.1)
+    }
 }
 
 fn diffuse(to: &mut String, keyword: &str, color: DVec3) -> fmt::Result {

@@ -178,12 +178,14 @@ impl Definitions {
             Class::Mixture => {
                 modifier::check_counts(p, standing)?;
                 let sides = [self.side(&p.strings[0], standing.at)?, self.side(&p.strings[1], standing.at)?];
-                for (_, of_side) in &sides {
-                    notices.extend(of_side.iter().cloned());
+                for side in sides.iter().flatten() {
+                    notices.extend(side.notices.iter().cloned());
                 }
                 let amount = modifier::amount(self.reader(p, setting));
                 let mixture = amount.and_then(|(amount, notice)| {
-                    let [foreground, background] = sides.map(|(chain, _)| chain);
+                    let chain =
+                        |side: Option<Rc<Definition>>| side.map_or(Ok(Chain::NONE), |d| d.chain.clone());
+                    let [foreground, background] = sides.map(chain);
                     Ok((Own::Mixture(amount, [foreground?, background?]), notice))
                 });
                 Ok(mixture)
@@ -210,13 +212,12 @@ impl Definitions {
         FieldReader { p, standing, to, unit, library: &mut self.library }
     }
 
-    /// A side of a mixture, and what the user should know of it.
-    fn side(&self, name: &str, at: &Place) -> Result<(Result<Chain, Rc<Problem>>, Vec<String>), DeviceError> {
-        if name == "void" {
-            return Ok((Ok(Chain::NONE), Vec::new()));
+    /// A side of a mixture; `None` for `void`.
+    fn side(&self, name: &str, at: &Place) -> Result<Option<Rc<Definition>>, DeviceError> {
+        match name {
+            "void" => Ok(None),
+            _ => self.find_named("side of a mixture", name, at).map(Some),
         }
-        let definition = self.find_named("side of a mixture", name, at)?;
-        Ok((definition.chain.clone(), definition.notices.clone()))
     }
 
     /// The modifiers that a `WGMDfunc` names for its parts; `None` for those of the material itself.

@@ -89,6 +89,7 @@ pub fn made(scene: &str) -> Vec<Made> {
                     }
                     modifier => modifier.cloned(),
                 };
+                let modifier = modifier.map(|m| flattened(m, &in_force));
                 let (material, texture) = match modifier {
                     Some(t) if t.kind == "texfunc" => (in_force.get(&t.modifier).cloned(), Some(t)),
                     material => (material, None),
@@ -105,6 +106,23 @@ pub fn made(scene: &str) -> Vec<Made> {
         }
     }
     all
+}
+
+/// A `WGMDfunc` of numbers with the colours of its patterns: red, green, blue and two roughnesses of reflection and of transmission after
+/// its own reals.
+fn flattened(mut p: Primitive, in_force: &std::collections::HashMap<String, Primitive>) -> Primitive {
+    if p.kind == "WGMDfunc" {
+        for first in [0, 4] {
+            let number = |k: usize| p.strings[first + k].parse::<f64>().unwrap();
+            let pattern = in_force.get(&p.strings[first]).map(|pattern| {
+                assert_eq!(pattern.kind, "colorfunc");
+                [0, 1, 2].map(|k| pattern.strings[k].parse::<f64>().unwrap())
+            });
+            let color = pattern.unwrap_or([1.0; 3]).map(|c| c * number(1));
+            p.reals.extend(color.into_iter().chain([number(2), number(3)]));
+        }
+    }
+    p
 }
 
 /// The same of a device.

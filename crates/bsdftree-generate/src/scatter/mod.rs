@@ -37,6 +37,8 @@ mod prism;
 mod shading;
 mod spectrum;
 #[cfg(test)]
+mod radiance_tests;
+#[cfg(test)]
 mod test_support;
 #[cfg(test)]
 mod tests;

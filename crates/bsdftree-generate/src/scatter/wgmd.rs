@@ -7,7 +7,8 @@
 //! but the normal after textures, and the cosine to it, as if the ray had come from the front.
 //!
 //! Sources: Radiance's `WGMDfunc` as `rtrace` has it, observed; lobes as in [`facets`](super::facets), and the same deviations. Others:
-//! a coefficient below 0 counts as 0; all formulas are worked out, also roughnesses that nothing has.
+//! a coefficient below 0 counts as 0; all formulas are worked out, also roughnesses that nothing has; under a texture the weight of a
+//! rough reflection goes by cosines to the perturbed normal, as its lobe does (`rtrace` takes those to the surface's).
 
 use std::sync::Arc;
 
@@ -110,6 +111,16 @@ impl<S: Spectrum> PreparedWgmd<S> {
     }
 }
 
+/// Straight on, less what a texture adds to the unit normal of the front, but never back.
+fn through(meeting: &Meeting, facing: &Facing) -> DVec3 {
+    let added = facing.normal - facing.surface;
+    let added = if meeting.is_front() { added } else { -added };
+    match (meeting.incoming - added).try_normalize() {
+        Some(direction) if facing.is_textured() && !facing.is_above(direction) => direction,
+        _ => meeting.incoming,
+    }
+}
+
 impl<S: Spectrum> Shading<S> for PreparedWgmd<S> {
     fn scatter(&self, meeting: &Meeting, shade: &Shade<S>, random: &mut Random) -> Option<Scatter<S>> {
         let lobes = self.lobes(meeting, shade)?;
@@ -138,8 +149,8 @@ impl<S: Spectrum> Shading<S> for PreparedWgmd<S> {
                 let (direction, factor) = facets.glance(facing.normal, incoming, facing.cosine, random)?;
                 (direction, weight * factor)
             }
-            (_, None) => (facing.through(incoming), weight),
-            (_, Some(facets)) => (facets.spread(facing.normal, facing.through(incoming), random)?, weight),
+            (_, None) => (through(meeting, &facing), weight),
+            (_, Some(facets)) => (facets.spread(facing.normal, through(meeting, &facing), random)?, weight),
         };
         // A specular lobe that pierces the surface is lost.
         let is_above = facing.is_above(direction);

@@ -1,0 +1,1 @@
+"""Every device users have, through our engine and through Radiance's: `make devices-report`."""
