@@ -145,6 +145,21 @@ class Device:
         """
         return cls(_core.Device._from_spec(spec))
 
+    def with_materials(
+        self, *paths: str | os.PathLike[str], unit: str = "meter", allow_commands: Sequence[str] = ()
+    ) -> Device:
+        """The same device of the materials that Radiance files define under the names of its own.
+
+        Such as what its surfaces are in another band of light. Surfaces in the files do not count.
+
+        Raises
+        ------
+        ValueError
+            As :meth:`read`, and if the files define none of the device's materials.
+        """
+        reading = _reading(unit, (), None, None, allow_commands)
+        return Device(self._core._with_materials([os.fspath(path) for path in paths], reading))
+
     def turned_up(self, up: str) -> Device:
         """Turn a drawing whose ``up`` (x, -x, y, -y, z, -z) is not Y; with Z up, the room is towards its -Y."""
         return Device(self._core._turned_up(up))

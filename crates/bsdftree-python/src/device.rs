@@ -95,6 +95,13 @@ impl Device {
         Ok(Device(Arc::new(bsdftree_device::Device::from_spec(spec).map_err(value_error)?)))
     }
 
+    /// The same device of the materials that files define under the names of its own.
+    fn _with_materials(&self, py: Python<'_>, paths: Vec<PathBuf>, options: Reading) -> PyResult<Device> {
+        let options = ReadOptions::try_from(options)?;
+        let device = py.detach(|| self.0.with_materials(&paths, options)).map_err(value_error)?;
+        Ok(Device(Arc::new(device)))
+    }
+
     fn _turned_up(&self, up: &str) -> PyResult<Device> {
         Ok(Device(Arc::new(self.0.turned_up(Up::from_str(up).map_err(value_error)?))))
     }

@@ -136,6 +136,11 @@ impl Definitions {
         found.ok_or_else(|| DeviceError::Undefined { at: at.clone(), kind, name: name.to_owned() })
     }
 
+    /// What a name stands for now.
+    pub(super) fn latest(&self, name: &str) -> Option<&Definition> {
+        self.latest.get(name).map(Rc::as_ref)
+    }
+
     /// Defines a material or another modifier.
     pub(super) fn define(&mut self, p: &Primitive, setting: &Setting) -> Result<(), DeviceError> {
         let at = setting.standing.at;

@@ -16,6 +16,7 @@
 mod collect;
 mod command;
 mod definition;
+mod exchange;
 mod field;
 mod files;
 mod function_material;

@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use super::collect::{self, Collection};
 use super::command;
-use super::definition::{Definitions, Setting};
+use super::definition::{Definition, Definitions, Setting};
 use super::files::{Files, Source};
 use super::library::Standing;
 use super::statement::{Content, Primitive, Statement, quoted};
@@ -75,6 +75,11 @@ impl Scene {
             collection: Collection::new(options.limits),
             options,
         }
+    }
+
+    /// What a name stands for after all that was walked.
+    pub(super) fn defined(&self, name: &str) -> Option<&Definition> {
+        self.definitions.latest(name)
     }
 
     pub(super) fn into_device(self) -> Device {

@@ -9,15 +9,24 @@ use std::fmt::Write;
 use bsdftree_device::field::digest;
 use bsdftree_device::{Device, Material, Shape};
 
+use crate::bands::Band;
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
-use crate::scatter::Spectrum;
 
 /// First line of the file, but for its number.
 const TITLE: &str = "bsdftree checkpoint";
 /// Number of the form of all files of a checkpoint. To be raised with any change of that, or of what is counted, within a version.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const DEVICE: &str = "\ndevice:\n";
+
+/// What is counted in each band.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Counted {
+    /// Whether paths carry spectra.
+    pub spectral: bool,
+    /// Numbers in each band.
+    pub n_channels: usize,
+}
 
 /// What is counted.
 pub(crate) struct Job {
@@ -27,10 +36,11 @@ pub(crate) struct Job {
 
 impl Job {
     /// `n_sites`: patches of surface, if diffused light is reused.
-    pub fn new<S: Spectrum>(
+    pub fn new(
         device: &Device,
         options: &Options,
         aperture: &Aperture,
+        Counted { spectral, n_channels }: Counted,
         n_sites: Option<usize>,
     ) -> Job {
         let yes = |yes: bool| if yes { "yes" } else { "no" }.to_string();
@@ -38,7 +48,9 @@ impl Job {
             ("version", env!("CARGO_PKG_VERSION").into()),
             ("layout", layout(&options.layout)),
             ("sides", format!("{:?}", options.sides).to_lowercase()),
-            ("color", yes(S::CHANNELS > 1)),
+            ("bands", options.bands.iter().map(Band::to_string).collect::<Vec<_>>().join(", ")),
+            ("wavelengths", yes(spectral)),
+            ("color", yes(n_channels > 1)),
             ("reuse", n_sites.map_or("no".into(), |n| format!("yes, {n} patches"))),
             ("sampling", if options.stratified { "sobol" } else { "random" }.into()),
             ("tile", yes(options.tile)),
