@@ -7,6 +7,7 @@ use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use super::definition::{Definition, MadeOf};
+use super::optics;
 use super::scene::Placement;
 use super::shape::{self, Shaped};
 use super::statement::Primitive;
@@ -67,6 +68,9 @@ impl Collection {
         let shaped = shape::place(p, &placement.transform, placement.invert);
         let Some(shape) = self.kept(&p.kind, &name, shaped, at)? else { return Ok(()) };
         let material = self.material(definition, &name, at)?;
+        if let Some(warning) = optics::lost_orientation(&self.device.materials[material as usize], &shape) {
+            self.warn(format!("{at}: {} \"{name}\": {warning}", p.kind));
+        }
         self.push(Surface { name, shape, material }, at)
     }
 

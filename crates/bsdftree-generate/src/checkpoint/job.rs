@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use bsdftree_device::field::digest;
+use bsdftree_device::material::Antimatter;
 use bsdftree_device::{Device, Material, Shape};
 
 use crate::bands::Band;
@@ -136,13 +137,17 @@ fn layout(layout: &Layout) -> String {
 
 /// The device as text. Materials that scenes name files for, and what is smooth about meshes, are told by their content, not
 /// by where it is.
-fn described(device: &Device) -> String {
-    let mut device = nameless(device);
+fn described(original: &Device) -> String {
+    let mut device = nameless(original);
     let mut more = String::new();
     for named in device.materials.iter_mut().filter(|named| !named.material.is_constant()) {
         let material = std::mem::replace(&mut named.material, Material::Void);
         // Writing to a String cannot fail.
         let _ = writeln!(more, "{} is {material:?}", named.name);
+        if let Material::Antimatter(Antimatter { skin: Some(skin), .. }) = material {
+            // It may be that of no surface.
+            let _ = writeln!(more, "{} shows {:?}", named.name, original.materials[skin as usize].material);
+        }
     }
     for (k, surface) in device.surfaces.iter().enumerate() {
         if let Shape::Mesh(mesh) = &surface.shape {

@@ -22,6 +22,7 @@
 
 mod ashikhmin;
 mod bsdf;
+mod choice;
 mod dielectric;
 mod diffuse;
 mod facets;
@@ -34,6 +35,7 @@ mod gloss;
 mod meeting;
 mod modified;
 mod prism;
+mod reversed;
 mod shading;
 mod spectral;
 mod spectrum;
