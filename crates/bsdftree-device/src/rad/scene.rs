@@ -24,14 +24,14 @@ use crate::options::ReadOptions;
 
 /// The state of a walk.
 pub(super) struct Scene {
-    options: ReadOptions,
-    files: Files,
+    pub(super) options: ReadOptions,
+    pub(super) files: Files,
     /// Files being walked, outermost first.
-    chain: Vec<PathBuf>,
+    pub(super) chain: Vec<PathBuf>,
     /// What commands have made, by what they are and where they ran.
     streams: HashMap<PathBuf, Vec<Rc<Source>>>,
-    definitions: Definitions,
-    collection: Collection,
+    pub(super) definitions: Definitions,
+    pub(super) collection: Collection,
 }
 
 /// What the commands around a statement do to it.
@@ -93,7 +93,7 @@ impl Scene {
     }
 
     /// Walks a file. Its commands run in `directory`, or in the file's own directory if that is `None`.
-    fn include(
+    pub(super) fn include(
         &mut self,
         (path, source): &(PathBuf, Rc<Source>),
         directory: Option<&Path>,
@@ -105,7 +105,7 @@ impl Scene {
         Ok(())
     }
 
-    fn check_chain(&self, file: &PathBuf, at: &Place) -> Result<(), DeviceError> {
+    pub(super) fn check_chain(&self, file: &PathBuf, at: &Place) -> Result<(), DeviceError> {
         if let Some(first) = self.chain.iter().position(|other| other == file) {
             let circle = self.chain[first..].iter().chain([file]);
             return Err(DeviceError::Cycle {
@@ -144,6 +144,7 @@ impl Scene {
                         let definition = self.definitions.find(modifier, &at)?;
                         self.collection.surface(p, definition.as_deref(), placement, &at)?;
                     }
+                    Class::Reference => self.referenced(p, directory, placement, &at)?,
                     Class::UnsupportedSurface => return Err(unsupported_surface(p, &at)),
                     Class::Material | Class::Modifier | Class::Mixture | Class::UnsupportedModifier(_) => {
                         let standing = Standing { at: &at, directory, files: &self.files };
@@ -250,8 +251,7 @@ impl Scene {
 fn unsupported_surface(p: &Primitive, at: &Place) -> DeviceError {
     let advice = match &*p.kind {
         "source" => "a device has no distant light: remove it",
-        "instance" => "include the scene that the octree was made from by '!xform'",
-        _ => "give its triangles as polygons",
+        _ => "leave it out",
     };
     DeviceError::Unsupported {
         at: at.clone(),
