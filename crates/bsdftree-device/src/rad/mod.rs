@@ -112,6 +112,32 @@ impl Device {
         Device::read(&[path.to_owned()], options)
     }
 
+    /// Reads the bytes of a triangle mesh; the ending of `name`, which stands for the file in messages, tells the format.
+    ///
+    /// # Errors
+    /// As [`Device::read`].
+    pub fn parse_mesh(
+        bytes: &[u8],
+        name: &str,
+        options: impl Into<ReadOptions>,
+    ) -> Result<Device, DeviceError> {
+        let options = options.into();
+        let placement = Placement::scaled(options.unit.meters());
+        let materials = options.materials.files.clone();
+        let mut scene = Scene::new(options);
+        for path in &materials {
+            scene.file(path, &placement)?;
+        }
+        let path = Path::new(name);
+        let format = Format::of(path).ok_or_else(|| DeviceError::File {
+            path: path.to_owned(),
+            named_at: None,
+            reason: "its name does not end in .obj, .ply, .stl or .rtm".to_owned(),
+        })?;
+        scene.mesh_bytes(bytes, path, format, &placement)?;
+        Ok(scene.into_device())
+    }
+
     /// Reads Radiance scene files, in their order one scene, as the options (or just a [`Unit`](crate::Unit)) say.
     ///
     /// Files that they name by `!xform` are looked for beside the naming file, then in the directories of the

@@ -33,9 +33,20 @@ impl Scene {
         format: Format,
         placement: &Placement,
     ) -> Result<(), DeviceError> {
-        let name = path.display().to_string();
         let bytes = files::read_bytes(path, LARGEST, None)?;
-        let mesh = format.read(&bytes, &name, &self.options.limits)?;
+        self.mesh_bytes(&bytes, path, format, placement)
+    }
+
+    /// Adds what is in the file of a mesh.
+    pub(super) fn mesh_bytes(
+        &mut self,
+        bytes: &[u8],
+        path: &Path,
+        format: Format,
+        placement: &Placement,
+    ) -> Result<(), DeviceError> {
+        let name = path.display().to_string();
+        let mesh = format.read(bytes, &name, &self.options.limits)?;
         let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let at = Place { file: name.into(), line: 1 };
         self.mesh(&mesh, None, &stem, placement, &at)
