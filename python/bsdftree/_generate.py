@@ -237,7 +237,9 @@ def generate(
     core, errors, done = generation.result()
     if progress is not None:
         progress(*generation.paths())
-    reports = tuple(BandReport(*band, dict(totals)) for *band, totals in done["bands"])
+    reports = tuple(
+        BandReport(name, error, direction_error, dict(totals)) for name, error, direction_error, totals in done["bands"]
+    )
     summary = GenerationReport(
         done["paths"],
         done["samples"],
