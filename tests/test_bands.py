@@ -83,7 +83,8 @@ def test_bands_at_the_prompt(files):
     arguments = ["generate", str(files / "device.rad"), "--klems", "quarter", "--samples", "16", "-o", str(out)]
     done = CliRunner().invoke(main, [*arguments, "--band", f"Solar={files / 'solar.rad'}", "--json"])
     assert done.exit_code == 0, done.output
-    assert set(json.loads(done.stdout)["bands"]) == {"Visible", "Solar"}
+    bands = {band["band"]: band for band in json.loads(done.stdout)["bands"]}
+    assert set(bands) == {"Visible", "Solar"} and all(band["error"] >= 0 for band in bands.values())
     assert totals(bsdftree.load(out), "Solar") == pytest.approx(0.3, abs=1e-6)
     assert CliRunner().invoke(main, [*arguments, "--band", "Solar"]).exit_code == 2
     done = CliRunner().invoke(main, [*arguments, "--bands", "Visible,Solar,NIR"])

@@ -394,7 +394,11 @@ def _show_resumed(where: Resumed, limit: int | None) -> None:
 
 
 def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> dict[str, Any]:
-    return summarize(bsdf, output) | {
+    summary = summarize(bsdf, output)
+    errors = {band.name: {"error": band.error, "direction_error": band.direction_error} for band in report.bands}
+    bands = [band | errors.get(band["band"], {}) for band in summary["bands"]]
+    return summary | {
+        "bands": bands,
         "paths": report.paths,
         "samples": report.samples,
         "stop": report.stop,
@@ -405,7 +409,6 @@ def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds
         "reducing_seconds": report.reducing_seconds,
         "seconds": seconds,
         "warnings": list(report.warnings),
-        "bands": {b.name: {"error": b.error, "direction_error": b.direction_error} for b in report.bands},
     }
 
 
