@@ -126,10 +126,12 @@ def test_bad_command_lines_say_what_is_wrong(run, args, message):
     assert "Traceback" not in result.output
 
 
-def test_an_unsupported_scene_names_file_line_and_modifier(run, data):
-    result = run("generate", data / "radiance" / "prism1.rad")
+def test_an_unsupported_scene_names_file_line_and_modifier(run, tmp_path):
+    path = tmp_path / "fog.rad"
+    path.write_text("# fog\n\nvoid mist fog 0 0 0\nfog sphere cloud 0 0 4 0 0 -1 1\n")
+    result = run("generate", path)
     assert result.exit_code == 1
-    assert "prism1.rad:4" in result.output and "prism1" in result.output
+    assert "fog.rad:3" in result.output and "mist" in result.output
 
 
 def test_info_and_check_work_on_every_real_file(run, data):

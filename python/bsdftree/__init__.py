@@ -18,10 +18,11 @@ from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._generate import generate
 from bsdftree._peaks import Peak, PeakFamily
-from bsdftree._report import GenerationReport, Resumed
+from bsdftree._report import BandReport, GenerationReport, Resumed
 
 __all__ = [
     "BandCheck",
+    "BandReport",
     "Bsdf",
     "Device",
     "Energy",

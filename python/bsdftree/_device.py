@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from bsdftree import _core
 from bsdftree._radiance.programs import find_folder
 
-Format = Literal["rad", "mgf", "obj", "ply", "stl", "rtm", "oct", "xml"]
+Format = Literal["rad", "mgf"]
 Materials = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
 
@@ -93,7 +93,7 @@ class Device:
         up
             The axis that points up in the drawing: x, -x, y, -y, z or -z; with z, the room is towards its -Y.
         format
-            What all files are, whatever their endings.
+            What all files are, whatever their endings: Radiance scenes or MGF.
         materials
             Radiance files of materials for meshes, read before everything else.
         material_names
@@ -110,8 +110,8 @@ class Device:
             If a file cannot be read or is not understood; the message names file and line and what to do.
         """
         reading = _reading(unit, materials, material_names, default_material, allow_commands)
-        kinds = [(format or format_of(path), os.fspath(path)) for path in paths]
-        device = cls(_core.Device._read(_one_kind(kinds), [path for _, path in kinds], reading))
+        kind = format or _one_kind([(format_of(path), os.fspath(path)) for path in paths])
+        device = cls(_core.Device._read(kind, [os.fspath(path) for path in paths], reading))
         return device if up.lower().lstrip("+") == "y" else device.turned_up(up)
 
     @classmethod
@@ -144,6 +144,21 @@ class Device:
             If there is no such family or parameter, or values do not fit; the message lists what there is.
         """
         return cls(_core.Device._from_spec(spec))
+
+    def with_materials(
+        self, *paths: str | os.PathLike[str], unit: str = "meter", allow_commands: Sequence[str] = ()
+    ) -> Device:
+        """The same device of the materials that Radiance files define under the names of its own.
+
+        Such as what its surfaces are in another band of light. Surfaces in the files do not count.
+
+        Raises
+        ------
+        ValueError
+            As :meth:`read`, and if the files define none of the device's materials.
+        """
+        reading = _reading(unit, (), None, None, allow_commands)
+        return Device(self._core._with_materials([os.fspath(path) for path in paths], reading))
 
     def turned_up(self, up: str) -> Device:
         """Turn a drawing whose ``up`` (x, -x, y, -y, z, -z) is not Y; with Z up, the room is towards its -Y."""
@@ -194,12 +209,13 @@ def search_folders() -> list[str]:
 
 
 def _one_kind(kinds: Sequence[tuple[str, str]]) -> str:
-    """Return the kind that all files have."""
-    first = kinds[0][0] if kinds else "rad"
-    for kind, path in kinds:
-        if kind != first:
-            raise ValueError(f"{path} is {kind}, but {kinds[0][1]} is {first}; files of one device have one kind")
-    return first
+    """Return the kind that all files have: scenes and meshes are one, in their order."""
+    several = [(kind if kind in ("mgf", "xml") else "scene", path) for kind, path in kinds]
+    first = several[0] if several else ("scene", "")
+    for kind, path in several:
+        if kind != first[0]:
+            raise ValueError(f"{path} is {kind}, {first[1]} is {first[0]}; MGF and BSDF files stand alone")
+    return first[0]
 
 
 def family_of(device: str | os.PathLike[str]) -> str | None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
 from bsdftree import _core
 from bsdftree._bsdf import Bsdf
 from bsdftree._device import Device, as_device
 from bsdftree._radiance.generation import generate_by_radiance
-from bsdftree._report import GenerationReport, Resumed
+from bsdftree._report import BandReport, GenerationReport, Resumed
 
+Bands = Sequence[str] | Mapping[str, "Device | str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None"]
 KlemsName = Literal["full", "half", "half73", "quarter"]
 
 
@@ -30,6 +31,7 @@ def generate(
     sampling: Literal["sobol", "random"] = "sobol",
     sides: Literal["front", "back", "both"] = "both",
     color: bool = False,
+    bands: Bands = ("Visible",),
     reciprocity: bool | None = None,
     reuse: bool = True,
     prune: bool = True,
@@ -82,7 +84,13 @@ def generate(
     sides
         Where light comes from: ``"front"`` (the room), ``"back"`` (outside) or both.
     color
-        Whether to keep colour.
+        Whether to keep colour, of the visible band: Y, u′, v′ of trees, X, Y, Z of matrices.
+    bands
+        What light is counted, each as a band of its own in the result: ``"Visible"`` (CIE Y in equal-energy light),
+        ``"Solar"``, ``"NIR"``, ``"UV"`` (sunlight from 300 to 2500, 780 to 2500, 300 to 380 nm), a wavelength in nm as
+        ``"550"``, or a mean over wavelengths with a name as ``"PAR:400-700"``. Materials with spectra are traced by
+        wavelengths. A mapping gives for a band ``None``, or Radiance files of materials that the device has in that
+        band under the same names, or a whole :class:`Device`: ``{"Visible": None, "Solar": "solar.rad"}``.
     reciprocity
         Whether to average pairs of directions with the same pairs swapped; by default, where both must be equal: all
         materials are reciprocal, and the device repeats (``tile``) or is flat, so that no light leaves by its sides.
@@ -147,6 +155,7 @@ def generate(
             "tile": tile,
             "checkpoint": checkpoint is not None,
             "sampling": sampling == "random",
+            "bands": list(bands) != ["Visible"],
         }
         for option in (name for name, given in unknown.items() if given):
             raise ValueError(f"the engine radiance knows no {option}; use engine 'bsdftree' or leave it out")
@@ -175,8 +184,10 @@ def generate(
     if engine != "bsdftree":
         raise ValueError(f"engine {engine!r}; expected 'bsdftree' or 'radiance'")
     device = as_device(device, unit, allow_commands)
+    names, own = _of_bands(device, bands, unit, allow_commands)
     if up.lstrip("+").lower() != "y":
         device = device.turned_up(up)
+        own = [(name, other.turned_up(up)) for name, other in own]
     aperture = None
     if dim is not None:
         aperture = (tuple(map(float, dim[0::2])), tuple(map(float, dim[1::2])))
@@ -194,6 +205,8 @@ def generate(
         stratified=sampling == "sobol",
         sides=sides,
         color=color,
+        bands=names,
+        own=[(name, other._core) for name, other in own],
         reciprocity=reciprocity,
         reuse=reuse,
         pruned=prune,
@@ -224,6 +237,9 @@ def generate(
     core, errors, done = generation.result()
     if progress is not None:
         progress(*generation.paths())
+    reports = tuple(
+        BandReport(name, error, direction_error, dict(totals)) for name, error, direction_error, totals in done["bands"]
+    )
     summary = GenerationReport(
         done["paths"],
         done["samples"],
@@ -231,12 +247,13 @@ def generate(
         done["error"],
         done["direction_error"],
         Bsdf(errors),
-        {key: (values, sigmas) for key, (values, sigmas) in done["totals"]},
+        reports[0].totals,
         done["lost"],
         done["tracing_seconds"],
         done["reducing_seconds"],
         done["aperture"],
         tuple(done["warnings"]),
+        reports,
     )
     if report is not None:
         report(summary)
@@ -248,7 +265,26 @@ def generate(
     made = (
         f"Created by: bsdftree {_core.__version__} generate ({what}, {summary.samples} samples per incident cell, "
         f"{summary.paths} paths, seed {seed}, sides {sides}{', tiled' if tile else ''}{', color' if color else ''}"
+        f"{'' if list(bands) == ['Visible'] else ', bands ' + ' '.join(bands)}"
         f"{'' if reciprocity is None else ', reciprocity' if reciprocity else ', no reciprocity'}"
         f"{', random' if sampling == 'random' else ''}{'' if prune or klems else ', not pruned'})"
     )
     return Bsdf(core.with_header(None, None, None, [made]))
+
+
+def _of_bands(
+    device: Device, bands: Bands, unit: str, allow_commands: Sequence[str]
+) -> tuple[list[str], list[tuple[str, Device]]]:
+    """The bands that the device itself has, and those with materials of their own."""
+    if isinstance(bands, str):
+        raise ValueError(f"bands {bands!r}; expected a sequence such as ['Visible', 'Solar'], or a mapping")
+    if not isinstance(bands, Mapping):
+        return list(bands), []
+    own: list[tuple[str, Device]] = []
+    for name, given in bands.items():
+        if isinstance(given, Device):
+            own.append((name, given))
+        elif given is not None:
+            files = [given] if isinstance(given, str | os.PathLike) else list(given)
+            own.append((name, device.with_materials(*files, unit=unit, allow_commands=allow_commands)))
+    return [name for name, given in bands.items() if given is None], own

@@ -34,6 +34,30 @@ class Resumed:
 
 
 @dataclass(frozen=True)
+class BandReport:
+    """What is known of a band.
+
+    Attributes
+    ----------
+    name
+        As in the file, such as ``"Visible"``.
+    error
+        Estimated relative error of the whole: Σ abs(error) / Σ BSDF over all finest cells.
+    direction_error
+        Largest error of the hemispherical total of an incident cell: half its 95 % interval, or what the tree departs
+        from what was counted; relative to the total, or to 0.1 if the total is less.
+    totals
+        For each component, the hemispherical totals of all incident cells as counted, before anything was merged, and
+        their standard errors, each (n_cells,). Cells count in Morton order, x first.
+    """
+
+    name: str
+    error: float
+    direction_error: float
+    totals: dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
+
+
+@dataclass(frozen=True)
 class GenerationReport:
     """What a generation did.
 
@@ -63,6 +87,9 @@ class GenerationReport:
         Smallest and largest x, y, z of the box that stood for the device [m].
     warnings
         What you should know.
+    bands
+        What is known of each band; ``error`` and ``direction_error`` are the largest of them, ``totals`` those of the
+        first. Empty with Radiance as the engine.
     """
 
     paths: int
@@ -77,3 +104,4 @@ class GenerationReport:
     reducing_seconds: float
     aperture: tuple[tuple[float, float, float], tuple[float, float, float]]
     warnings: tuple[str, ...]
+    bands: tuple[BandReport, ...] = ()

@@ -81,6 +81,20 @@ pub enum DeviceError {
         /// What is wrong, with its own file and line, and which surface needs it.
         reason: String,
     },
+    /// A binary file is not what its format asks for.
+    #[error("{file}: byte {offset}: expected {expected}, found {found}: {advice}")]
+    Binary {
+        /// The file as it was named.
+        file: String,
+        /// Where in it \[byte\].
+        offset: u64,
+        /// What the format asks for.
+        expected: String,
+        /// What is there.
+        found: String,
+        /// What to do.
+        advice: &'static str,
+    },
     /// A formula of a command is wrong.
     #[error(transparent)]
     Formula(#[from] crate::cal::CalError),

@@ -55,17 +55,20 @@ pub struct Limits {
     pub depth: usize,
     /// Warnings that are kept.
     pub warnings: usize,
+    /// Operations of all formulas of one command.
+    pub operations: u64,
     /// How long one allowed program may run.
     pub command_time: Duration,
 }
 
 impl Limits {
-    /// 10⁷ surfaces, 8 GiB, 64 files inside each other, 100 warnings, a minute for a program.
+    /// 10⁷ surfaces, 8 GiB, 64 files inside each other, 100 warnings, 10⁹ operations (some ten seconds) and a minute for a command.
     pub const DEFAULT: Limits = Limits {
         surfaces: 10_000_000,
         bytes: 8 << 30,
         depth: 64,
         warnings: 100,
+        operations: 1_000_000_000,
         command_time: Duration::from_secs(60),
     };
 }

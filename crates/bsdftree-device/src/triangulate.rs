@@ -31,6 +31,19 @@ pub(crate) fn triangles(vertices: &[DVec3]) -> Vec<[DVec3; 3]> {
 
 /// As [`triangles`]; from each of these vertices on, the next hole is listed, whichever way it turns.
 pub(crate) fn triangles_around_holes(vertices: &[DVec3], holes: &[u32]) -> Vec<[DVec3; 3]> {
+    let corners = corners_around_holes(vertices, holes);
+    corners.into_iter().map(|t| t.map(|k| vertices[k as usize])).collect()
+}
+
+/// As [`triangles`], their vertices by index.
+pub(crate) fn corners_of_triangles(vertices: &[DVec3]) -> Vec<[u32; 3]> {
+    match vertices.len() {
+        3 if !is_degenerate(vertices) => vec![[0, 1, 2]],
+        _ => corners_around_holes(vertices, &[]),
+    }
+}
+
+fn corners_around_holes(vertices: &[DVec3], holes: &[u32]) -> Vec<[u32; 3]> {
     let outline = &vertices[..holes.first().map_or(vertices.len(), |&k| k as usize)];
     if is_degenerate(outline) {
         return Vec::new();
@@ -41,12 +54,13 @@ pub(crate) fn triangles_around_holes(vertices: &[DVec3], holes: &[u32]) -> Vec<[
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut corners: Vec<u32> = Vec::new();
     Earcut::new().earcut(vertices.iter().map(|p| [p[u], p[v]]), holes, &mut corners);
-    let triangles = corners.chunks_exact(3).map(|t| [0, 1, 2].map(|k| vertices[t[k] as usize]));
-    let turned = triangles.map(|[a, b, c]| {
-        let along = (b - a).cross(c - a).dot(area);
-        if along < 0.0 { [a, c, b] } else { [a, b, c] }
-    });
-    turned.filter(|[a, b, c]| (*b - *a).cross(*c - *a) != DVec3::ZERO).collect()
+    let turning = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|k| vertices[k as usize]);
+        (b - a).cross(c - a)
+    };
+    let triangles = corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
+    let turned = triangles.map(|t| if turning(&t).dot(area) < 0.0 { [t[0], t[2], t[1]] } else { t });
+    turned.filter(|t| turning(t) != DVec3::ZERO).collect()
 }
 
 #[cfg(test)]

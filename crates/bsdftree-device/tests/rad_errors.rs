@@ -99,8 +99,9 @@ fn unsupported_modifiers_are_errors_where_they_are_used_only() {
 #[test]
 fn unsupported_surfaces_and_commands_are_errors() {
     assert_fails("white source s 0 0 4 0 0 1 5", 2, &["surface type 'source'", "remove it"]);
-    assert_fails("void instance s 1 a.oct 0 0", 2, &["surface type 'instance'"]);
-    assert_fails("void mesh s 1 a.rtm 0 0", 2, &["surface type 'mesh'", "polygons"]);
+    assert_fails("void instance s 1 a.oct 0 0", 2, &["cannot read 'a.oct'", "no such file"]);
+    assert_fails("void mesh s 0 0 0", 2, &["a file as string argument 1 of mesh \"s\""]);
+    assert_fails("void mesh s 3 a.rtm -t 1 0 0", 2, &["a number as argument 2 of -t for mesh \"s\""]);
     assert_fails("\n!genclock clock", 3, &["command 'genclock'", "--allow-command genclock"]);
     assert_fails("!xform a.rad; rm -rf b", 2, &["';'", "no shell is run"]);
     assert_fails("!xform `ls`", 2, &["'`'"]);

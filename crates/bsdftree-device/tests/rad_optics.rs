@@ -84,6 +84,15 @@ fn a_thickness_stands_for_geometry_and_is_told() {
 }
 
 #[test]
+fn an_up_direction_along_the_normal_is_told() {
+    let folder = folder(0.3);
+    for (up, told) in [("0 0 1", true), ("0 0 -2", true), ("0 1e-3 1", false)] {
+        let device = parse(&format!("void aBSDF m 5 pane.xml {up} . 0 0 {PANE}"), folder.path()).unwrap();
+        assert_eq!(device.warnings.iter().any(|w| w.contains("it is black")), told, "{:?}", device.warnings);
+    }
+}
+
+#[test]
 fn files_that_make_light_are_told_and_files_that_are_none_are_refused() {
     let folder = folder(0.7);
     let device = parse(&format!("void aBSDF m 5 pane.xml 0 1 0 . 0 0 {PANE}"), folder.path()).unwrap();

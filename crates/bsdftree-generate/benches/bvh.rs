@@ -75,7 +75,7 @@ const REPEATS: usize = 40;
 fn rays_of_paths(scene: &Scene<f64>, [low, high]: [DVec3; 2], n: u64) -> Vec<Ray> {
     let mut rays = Vec::new();
     for cell in 0..N_INCIDENT {
-        let points = Stratified::new(0, cell as u64);
+        let mut points = Stratified::new(0, cell as u64);
         for sample in 0..n {
             let Start { incident: [u, v], origin: [s, t], mut random } = points.start(0, cell as u64, sample);
             let direction = DVec3::from(Side::Back.direction_from_disk(LAYOUT.incident_disk(cell, u, v)));

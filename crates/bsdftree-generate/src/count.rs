@@ -10,6 +10,7 @@ use bsdftree::Side;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::bands::Detector;
 use crate::checkpoint::RoundFile;
 use crate::counts::{Block, Counts, Place, Shape, Slot, Spent};
 use crate::diffuse::{Deposits, Laid, Reuse, Walker};
@@ -19,14 +20,15 @@ use crate::options::{Aperture, Options};
 use crate::path::{Departure, Outcome, Scene};
 use crate::progress::{Progress, Resumed};
 use crate::random::{N_REPLICATES, Start, Stratified};
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::schedule::round_after;
-use crate::tally::{Row, Tally};
+use crate::tally::{Exited, Row, Tally};
 use crate::tile::Tile;
 
 /// Follows paths.
-pub(crate) struct Counter<'a, S> {
-    pub scene: Scene<S>,
+pub(crate) struct Counter<'a, D: Detector> {
+    pub detector: D,
+    pub scene: Scene<D::Light>,
     pub options: &'a Options,
     pub aperture: Aperture,
     pub tile: Option<Tile>,
@@ -35,22 +37,25 @@ pub(crate) struct Counter<'a, S> {
 }
 
 /// What a thread counts in.
-struct Workspace<S> {
-    tallies: [Tally<S>; 2],
-    deposits: Option<[Deposits<S>; 2]>,
+struct Workspace<D: Detector> {
+    /// By band.
+    tallies: Vec<[Tally<D::Flux>; 2]>,
+    deposits: Option<[Deposits<D::Light>; 2]>,
     bytes: Vec<u8>,
 }
 
-impl<S: Spectrum> Counter<'_, S> {
+impl<D: Detector> Counter<'_, D> {
     /// Before the first path.
-    pub fn nothing(&self) -> Counts<S> {
+    pub fn nothing(&self) -> Counts<D::Flux> {
         let n_incident = self.options.layout.n_incident();
         let empty = |n: usize| [(); 2].map(|()| vec![Row::new(); n]);
         let n_diffused = if self.reuse.is_some() { n_incident } else { 0 };
         let counted = |side| Counted { side, rows: empty(n_incident), diffused: empty(n_diffused) };
         let laid = |reuse: &Reuse| [(); 2].map(|()| [(); 2].map(|()| vec![Laid::default(); reuse.n_cells()]));
         Counts {
-            counted: self.options.sides.iter().map(counted).collect(),
+            counted: (0..self.detector.n_bands())
+                .map(|_| self.options.sides.iter().map(counted).collect())
+                .collect(),
             laid: self.reuse.as_ref().map(laid),
         }
     }
@@ -70,7 +75,7 @@ impl<S: Spectrum> Counter<'_, S> {
     }
 
     /// All blocks: single incident cells, or those in one cell of the model of diffused light.
-    pub fn slots<'c>(&self, counts: &'c mut Counts<S>) -> Vec<Slot<'c, S>> {
+    pub fn slots<'c>(&self, counts: &'c mut Counts<D::Flux>) -> Vec<Slot<'c, D::Flux>> {
         let n_incident = self.options.layout.n_incident();
         counts.slots(n_incident, self.reuse.as_ref().map_or(1, |reuse| n_incident / reuse.n_cells()))
     }
@@ -78,7 +83,7 @@ impl<S: Spectrum> Counter<'_, S> {
     /// Follows a round of paths from every incident cell, but for those in the file, and adds all to what was counted.
     pub fn count(
         &self,
-        counts: &mut Counts<S>,
+        counts: &mut Counts<D::Flux>,
         mut file: Option<&mut RoundFile>,
         round: &Range<u64>,
     ) -> Result<Spent, GenerateError> {
@@ -91,7 +96,9 @@ impl<S: Spectrum> Counter<'_, S> {
         let file = file.as_deref();
         let walker = self.reuse.as_ref().map(|reuse| self.walker(reuse));
         let workspace = || Workspace {
-            tallies: [(); 2].map(|()| Tally::new(self.options.layout.n_exitant())),
+            tallies: (0..self.detector.n_bands())
+                .map(|_| [(); 2].map(|()| Tally::new(self.options.layout.n_exitant())))
+                .collect(),
             deposits: self.reuse.as_ref().map(Reuse::deposits),
             bytes: Vec::new(),
         };
@@ -124,14 +131,14 @@ impl<S: Spectrum> Counter<'_, S> {
     fn restore(
         &self,
         file: &mut RoundFile,
-        slots: &mut [Slot<'_, S>],
+        slots: &mut [Slot<'_, D::Flux>],
         done: &mut [bool],
         round: &Range<u64>,
     ) -> Result<Spent, GenerateError> {
         let mut spent = Spent::default();
         let mut n_paths = 0;
         let shapes: Vec<_> = slots.iter().map(|slot| self.shape(slot)).collect();
-        let n_dropped = file.read(&shapes, |id, block: Block<S>| {
+        let n_dropped = file.read(&shapes, |id, block: Block<D::Flux>| {
             if !std::mem::replace(&mut done[id], true) {
                 spent = spent + Spent { lost: block.lost, seconds: block.seconds };
                 n_paths += self.paths_of(&slots[id].place, round);
@@ -152,7 +159,7 @@ impl<S: Spectrum> Counter<'_, S> {
         Ok(spent)
     }
 
-    pub fn walker<'s>(&'s self, reuse: &'s Reuse) -> Walker<'s, S> {
+    pub fn walker<'s>(&'s self, reuse: &'s Reuse) -> Walker<'s, D::Light> {
         reuse.walker(&self.scene, self.tile.as_ref(), &self.options.layout, self.options)
     }
 
@@ -166,26 +173,30 @@ impl<S: Spectrum> Counter<'_, S> {
 
     fn block(
         &self,
-        workspace: &mut Workspace<S>,
-        walker: Option<&Walker<'_, S>>,
+        workspace: &mut Workspace<D>,
+        walker: Option<&Walker<'_, D::Light>>,
         place: &Place,
         round: &Range<u64>,
-    ) -> Block<S> {
+    ) -> Block<D::Flux> {
         let started = Instant::now();
         let mut block = Block::nothing();
         let Workspace { tallies, deposits, .. } = workspace;
         for cell in place.first_cell..place.first_cell + place.n_cells {
             match (walker, deposits.as_mut()) {
                 (Some(walker), Some(deposits)) => {
-                    block.lost +=
-                        walker.count_walks(place.side, cell, &walks(place, round), tallies, deposits);
+                    // Light from a side that is not asked for is wanted only for where it is laid down.
+                    let mut left = |exited| {
+                        if place.wanted {
+                            self.tally(tallies, exited);
+                        }
+                    };
+                    let walks = walks(place, round);
+                    block.lost += walker.count_walks(place.side, cell, &walks, &mut left, deposits);
                     if place.wanted {
                         drain(&mut block.rows, tallies);
-                        block.lost += walker.count_diffused(place.side, cell, round, tallies);
+                        let mut left = |exited| self.tally(tallies, exited);
+                        block.lost += walker.count_diffused(place.side, cell, round, &mut left);
                         drain(&mut block.diffused, tallies);
-                    } else {
-                        // Light from a side that is not asked for is wanted only for where it is laid down.
-                        tallies.iter_mut().for_each(|tally| drop(tally.drain()));
                     }
                 }
                 _ => {
@@ -204,7 +215,7 @@ impl<S: Spectrum> Counter<'_, S> {
         side: Side,
         cell: usize,
         round: Range<u64>,
-        [reflected, transmitted]: &mut [Tally<S>; 2],
+        tallies: &mut [[Tally<D::Flux>; 2]],
     ) -> u64 {
         let Options { layout, seed, stratified, .. } = self.options;
         let Aperture { min, max } = self.aperture;
@@ -227,9 +238,9 @@ impl<S: Spectrum> Counter<'_, S> {
         let mut lost = 0;
         self.scene.follow_all(departures, self.tile.as_ref(), |(disk, replicate), outcome| match outcome {
             Outcome::Left(exitant, weight) => {
-                let same_side = Side::of(exitant.to_array()) == side;
-                let tally = if same_side { &mut *reflected } else { &mut *transmitted };
-                tally.add(layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
+                let transmitted = Side::of(exitant.to_array()) != side;
+                let cell = layout.exitant_cell(disk, [exitant.x, exitant.y]);
+                self.tally(tallies, Exited { transmitted, cell, weight, replicate });
             }
             Outcome::Absorbed => {}
             Outcome::Lost => lost += 1,
@@ -237,12 +248,22 @@ impl<S: Spectrum> Counter<'_, S> {
         lost
     }
 
+    /// Counts a path in every band.
+    #[inline(always)]
+    fn tally(&self, tallies: &mut [[Tally<D::Flux>; 2]], exited: Exited<D::Light>) {
+        let Exited { transmitted, cell, weight, replicate } = exited;
+        for (band, tallies) in tallies.iter_mut().enumerate() {
+            tallies[usize::from(transmitted)].add(cell, self.detector.detect(&weight, band), replicate);
+        }
+    }
+
     /// What a block of a slot must have.
-    fn shape(&self, slot: &Slot<'_, S>) -> Shape {
+    fn shape(&self, slot: &Slot<'_, D::Flux>) -> Shape {
         Shape {
-            n_rows: slot.rows[0].len(),
-            n_diffused: slot.diffused[0].len(),
-            n_laid: self.reuse.as_ref().map(|reuse| S::CHANNELS * reuse.n_sites()),
+            n_bands: slot.rows.len(),
+            n_rows: slot.rows.first().map_or(0, |band| band[0].len()),
+            n_diffused: slot.diffused.first().map_or(0, |band| band[0].len()),
+            n_laid: self.reuse.as_ref().map(|reuse| D::Light::CHANNELS * reuse.n_sites()),
             n_exitant: self.options.layout.n_exitant(),
         }
     }
@@ -254,8 +275,9 @@ fn walks(place: &Place, round: &Range<u64>) -> Range<u64> {
 }
 
 /// Moves counts to rows of their own.
-fn drain<S: Spectrum>(rows: &mut [Vec<Row<S>>; 2], tallies: &mut [Tally<S>; 2]) {
-    for (rows, tally) in rows.iter_mut().zip(tallies) {
+fn drain<F: Flux>(rows: &mut Vec<[Vec<Row<F>>; 2]>, tallies: &mut [[Tally<F>; 2]]) {
+    rows.resize_with(tallies.len(), Default::default);
+    for (rows, tally) in rows.iter_mut().flatten().zip(tallies.iter_mut().flatten()) {
         rows.push(tally.drain());
     }
 }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::random::N_REPLICATES;
 use crate::reduce::{Kept, Member, Reducer, Region};
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::tally::Exit;
 
 /// Mean of |x| for a normal x of variance 1; about 0.8 also for other distributions.
@@ -31,13 +31,13 @@ pub(crate) struct Uncertainty {
 }
 
 /// Finds out what is wrong with the tree.
-pub(crate) fn uncertainty<S: Spectrum>(reducer: &Reducer<'_, S>, kept: &Kept) -> Uncertainty {
+pub(crate) fn uncertainty<S: Flux>(reducer: &Reducer<'_, S>, kept: &Kept) -> Uncertainty {
     let (region, members) = reducer.root();
     visited(reducer, kept, region, &members, 0.0)
 }
 
 /// Standard error of the mean weight of n paths that exits counted.
-pub(crate) fn standard_error<'a, S: Spectrum + 'a>(
+pub(crate) fn standard_error<'a, S: Flux + 'a>(
     exits: impl IntoIterator<Item = &'a Exit<S>>,
     n: f64,
 ) -> f64 {
@@ -56,7 +56,7 @@ pub(crate) fn standard_error<'a, S: Spectrum + 'a>(
     (squares * r / (r - 1.0)).sqrt() / n
 }
 
-fn visited<S: Spectrum>(
+fn visited<S: Flux>(
     reducer: &Reducer<'_, S>,
     kept: &Kept,
     region: Region,
@@ -102,7 +102,7 @@ fn visited<S: Spectrum>(
 }
 
 /// By how much a leaf's children differ from it beyond noise \[1/sr\].
-fn spread<S: Spectrum>(reducer: &Reducer<'_, S>, value: f64, region: &Region, members: &[Member]) -> f64 {
+fn spread<S: Flux>(reducer: &Reducer<'_, S>, value: f64, region: &Region, members: &[Member]) -> f64 {
     if reducer.is_whole(region, members) {
         return 0.0;
     }

@@ -1,10 +1,12 @@
-//! From counted paths to trees or matrices, their standard errors, and how far they are from the truth.
+//! From counted paths to trees or matrices of a band, their standard errors, and how far they are from the truth.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use bsdftree::{Basis, Bsdf, Component, Matrix, Part, Scattering, Side};
+use bsdftree::{Band, Basis, Component, Matrix, Part, Scattering, Side};
+use rayon::prelude::*;
 
+use crate::bands::Detector;
 use crate::correction::corrected;
 use crate::diffuse::Model;
 use crate::errors::{MEAN_ABSOLUTE, STUDENT_95, Uncertainty, standard_error, uncertainty};
@@ -15,7 +17,7 @@ use crate::options::Options;
 use crate::pyramid::Pyramid;
 use crate::reciprocity::averaged;
 use crate::reduce::{LAMBDA, Reducer};
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::tally::{Exit, Row};
 use crate::totals::Totals;
 
@@ -29,12 +31,12 @@ pub(crate) struct Counted<S> {
 
 /// What follows from counted paths.
 pub(crate) struct Estimated {
-    pub bsdf: Bsdf,
+    pub band: Band,
     /// Standard errors, in the same form.
-    pub errors: Bsdf,
-    /// See [`Report::error`](crate::Report::error).
+    pub errors: Band,
+    /// See [`BandReport::error`](crate::BandReport::error).
     pub error: f64,
-    /// See [`Report::direction_error`](crate::Report::direction_error).
+    /// See [`BandReport::direction_error`](crate::BandReport::direction_error).
     pub direction_error: f64,
     pub totals: Vec<Totals>,
 }
@@ -42,8 +44,10 @@ pub(crate) struct Estimated {
 /// How counted paths are made a BSDF.
 pub(crate) struct Estimator<'a, S> {
     pub options: &'a Options,
+    /// The band's name.
+    pub band: &'a str,
     /// Of light that is diffused.
-    pub model: Option<Model<S>>,
+    pub model: Option<&'a dyn Fn(Part) -> Pyramid>,
     /// Full paths of it per incident cell.
     pub n_diffused: f64,
     pub reciprocity: bool,
@@ -81,10 +85,10 @@ struct Estimate {
     direction_error: f64,
 }
 
-impl<S: Spectrum> Estimator<'_, S> {
+impl<S: Flux> Estimator<'_, S> {
     /// All components of the sides that were counted.
-    pub fn estimated(&self, counted: &[Counted<S>], mut bsdf: Bsdf) -> Result<Estimated, GenerateError> {
-        let mut errors = bsdf.clone();
+    pub fn estimated(&self, counted: &[Counted<S>]) -> Result<Estimated, GenerateError> {
+        let [mut band, mut errors] = [(); 2].map(|()| Band::new(self.band));
         let (mut absolute, mut total, mut direction_error) = (0.0, 0.0, 0.0f64);
         let mut all_totals = Vec::new();
         for Counted { side, .. } in counted {
@@ -100,8 +104,8 @@ impl<S: Spectrum> Estimator<'_, S> {
                     Layout::Tree { .. } => self.trees(&rows, totals, &headroom, mean)?,
                     Layout::Klems(basis) => self.matrices(&rows, totals, basis)?,
                 };
-                bsdf.band_mut("Visible").insert(part, estimate.component);
-                errors.band_mut("Visible").insert(part, estimate.errors);
+                band.insert(part, estimate.component);
+                errors.insert(part, estimate.errors);
                 absolute += estimate.absolute;
                 total += estimate.total;
                 direction_error = direction_error.max(estimate.direction_error);
@@ -109,7 +113,7 @@ impl<S: Spectrum> Estimator<'_, S> {
             all_totals.extend(totals);
         }
         let error = if total > 0.0 { absolute / total } else { 0.0 };
-        Ok(Estimated { bsdf, errors, error, direction_error, totals: all_totals })
+        Ok(Estimated { band, errors, error, direction_error, totals: all_totals })
     }
 
     /// The light that leaves from each incident cell.
@@ -142,7 +146,7 @@ impl<S: Spectrum> Estimator<'_, S> {
             (true, false, other) => Some(averaged(&self.options.layout, plain, other, self.n)),
         };
         let diffused = counted.iter().find(|c| c.side == side).map_or(&[][..], |c| c.diffused[k].as_slice());
-        let model = self.model.as_ref().map(|model| pyramid(model, part));
+        let model = self.model.map(|model| model(part));
         Rows { plain, diffused, model, symmetric: averaged.is_some() && part.is_reflection(), averaged }
     }
 
@@ -252,20 +256,35 @@ fn direction_error(totals: &Totals, deviations: &[f64]) -> f64 {
     errors.zip(&totals.values).map(|(error, total)| error / total.max(LEAST_TOTAL)).fold(0.0, f64::max)
 }
 
-/// The model of a part at all levels.
-fn pyramid<S: Spectrum>(model: &Model<S>, part: Part) -> Pyramid {
-    let estimates = |channel| model.estimates(part, channel).expect("walks from both sides");
-    let unit = |channel: usize| {
-        let mut rgb = glam::DVec3::ZERO;
-        match S::CHANNELS {
-            1 => rgb = glam::DVec3::ONE,
-            _ => rgb[channel] = 1.0,
-        }
-        S::from_rgb(rgb).luminance()
+/// The model of a part at all levels, of what a detector counts in a band.
+pub(crate) fn pyramid<D: Detector>(
+    model: &Model<D::Light>,
+    part: Part,
+    detector: &D,
+    band: usize,
+    color: bool,
+) -> Pyramid {
+    let n_channels = if color { D::Flux::CHANNELS } else { 1 };
+    let share = |from: usize, to: usize| match color {
+        true => detector.of_channel(from, band).channel(to),
+        false => detector.of_channel(from, band).luminance(),
     };
-    Pyramid::new(
-        model.log2(),
-        (0..S::CHANNELS).map(estimates).collect(),
-        (0..S::CHANNELS).map(unit).collect(),
-    )
+    let n_cells = 1usize << (2 * model.log2());
+    let mut channels: Vec<_> =
+        (0..n_channels).map(|_| [(); 2].map(|()| vec![0.0f32; n_cells * n_cells])).collect();
+    for from in 0..D::Light::CHANNELS {
+        let shares: Vec<f32> = (0..n_channels).map(|to| share(from, to) as f32).collect();
+        if shares.iter().all(|&share| share == 0.0) {
+            continue;
+        }
+        let found = model.estimates(part, from).expect("walks from both sides");
+        for (channel, &share) in channels.iter_mut().zip(&shares).filter(|(_, share)| **share != 0.0) {
+            for (sums, found) in channel.iter_mut().zip(&found) {
+                sums.par_iter_mut().zip(found).for_each(|(sum, new)| *sum += share * new);
+            }
+        }
+    }
+    let unit = |k: usize| D::Flux::from_channels(|c| f64::from(u8::from(c == k))).luminance();
+    let luminances = if color { (0..n_channels).map(unit).collect() } else { vec![1.0] };
+    Pyramid::new(model.log2(), channels, luminances)
 }

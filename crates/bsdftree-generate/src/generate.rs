@@ -9,25 +9,28 @@ use std::time::{Duration, Instant};
 
 use bsdftree::color::xyz_from_rgb;
 use bsdftree::tree::TreeError;
-use bsdftree::{Bsdf, Header, Rank};
-use bsdftree_device::Device;
+use bsdftree::{Bsdf, Header, Part, Rank};
 use bsdftree_device::field::FieldError;
+use bsdftree_device::{Device, Material};
 use glam::DVec3;
 use thiserror::Error;
 
+use crate::bands::{Band, Detector, Plain, Spectrometer};
 use crate::bvh::BvhError;
-use crate::checkpoint::{Checkpoint, CheckpointError, Job};
+use crate::checkpoint::{Checkpoint, CheckpointError, Counted, Job};
 use crate::count::Counter;
 use crate::counts::{Counts, Spent};
 use crate::diffuse::Reuse;
-use crate::estimate::{Estimated, Estimator};
+use crate::estimate::{Estimator, pyramid};
 use crate::geometry;
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
 use crate::path::Scene;
 use crate::progress::{Progress, Resumed};
-use crate::scatter::{Spectrum, is_neutral, is_reciprocal};
+use crate::pyramid::Pyramid;
+use crate::scatter::{Flux, Xyz, is_neutral, is_reciprocal, spectral_range_nm};
 use crate::schedule::{Stop, affordable, round_after};
+use crate::spectra::{REACH_NM, VISIBLE_NM};
 use crate::tally::Exit;
 use crate::tile::Tile;
 use crate::totals::Totals;
@@ -91,13 +94,14 @@ pub struct Report {
     pub samples: u64,
     /// Why there were no more.
     pub stop: Stop,
-    /// Estimated Σ|error| / Σ BSDF over all finest cells (of a matrix: weighted by projected solid angles).
+    /// The largest [error](BandReport::error) of a band.
     pub error: f64,
-    /// The largest error of a hemispherical total of an incident cell (95 %, or what the tree departs from what was
-    /// counted), relative to the total, or to 0.1 if that is more.
+    /// The largest [error of a direction](BandReport::direction_error) in a band.
     pub direction_error: f64,
-    /// Hemispherical totals of each incident cell, and their standard errors.
+    /// Hemispherical totals of each incident cell in the first band, and their standard errors.
     pub totals: Vec<Totals>,
+    /// What is known of each band.
+    pub bands: Vec<BandReport>,
     /// Paths that never ended, which are missing from the result.
     pub lost: u64,
     /// Time spent following paths.
@@ -108,6 +112,20 @@ pub struct Report {
     pub aperture: Aperture,
     /// What the user should know.
     pub warnings: Vec<String>,
+}
+
+/// What is known of a band.
+#[derive(Clone, Debug)]
+pub struct BandReport {
+    /// As in the file.
+    pub name: String,
+    /// Estimated Σ|error| / Σ BSDF over all finest cells (of a matrix: weighted by projected solid angles).
+    pub error: f64,
+    /// The largest error of a hemispherical total of an incident cell (95 %, or what the tree departs from what was
+    /// counted), relative to the total, or to 0.1 if that is more.
+    pub direction_error: f64,
+    /// Hemispherical totals of each incident cell, and their standard errors.
+    pub totals: Vec<Totals>,
 }
 
 /// A BSDF and how well it is known.
@@ -133,24 +151,54 @@ pub fn generate(device: &Device, options: &Options, progress: &Progress) -> Resu
         .num_threads(options.threads.unwrap_or(0))
         .build()
         .map_err(|e| GenerateError::Threads(e.to_string()))?;
-    // Luminances multiply only where no two factors are coloured.
-    let neutral = device.materials.iter().all(|m| is_neutral(&m.material));
-    pool.install(|| {
-        if neutral && !options.color {
-            Generator::<f64>::new(device, options, progress, None)?.run(device)
-        } else {
-            let xyz: fn(DVec3) -> [f64; 3] = |rgb| xyz_from_rgb(rgb.to_array());
-            Generator::<DVec3>::new(device, options, progress, options.color.then_some(xyz))?.run(device)
+    pool.install(|| match by_wavelengths(device, options) {
+        false => by_rgb(device, options, progress),
+        true if options.color => {
+            let xyz: fn(Xyz) -> [f64; 3] = |xyz| xyz.0.to_array();
+            let detector = Spectrometer::new(&options.bands).ok_or_else(|| no_wavelengths(options))?;
+            Generator::new(device, options, progress, detector, Some(xyz))?.run(device)
+        }
+        true => {
+            let detector = Spectrometer::<f64>::new(&options.bands).ok_or_else(|| no_wavelengths(options))?;
+            Generator::new(device, options, progress, detector, None)?.run(device)
         }
     })
 }
 
-struct Generator<'a, S> {
-    counter: Counter<'a, S>,
+fn by_rgb(device: &Device, options: &Options, progress: &Progress) -> Result<Generated, GenerateError> {
+    // Luminances multiply only where no two factors are coloured.
+    let neutral = device.materials.iter().all(|m| is_neutral(&m.material));
+    if neutral && !options.color {
+        Generator::new(device, options, progress, Plain::<f64>::new(), None)?.run(device)
+    } else {
+        let xyz: fn(DVec3) -> [f64; 3] = |rgb| xyz_from_rgb(rgb.to_array());
+        let xyz = options.color.then_some(xyz);
+        Generator::new(device, options, progress, Plain::<DVec3>::new(), xyz)?.run(device)
+    }
+}
+
+/// Whether paths have to carry spectra: there are some, or what is asked for does not follow from RGB.
+fn by_wavelengths(device: &Device, options: &Options) -> bool {
+    let own = |band: &Band| band.is_visible() || options.own_band;
+    !options.bands.iter().all(own)
+        || device.materials.iter().any(|m| spectral_range_nm(&m.material).is_some())
+}
+
+fn no_wavelengths(options: &Options) -> GenerateError {
+    let names: Vec<_> = options.bands.iter().map(Band::name).collect();
+    GenerateError::Option(format!(
+        "spectra of materials in the bands {}; of one of them the wavelengths are not known",
+        names.join(", ")
+    ))
+}
+
+struct Generator<'a, D: Detector> {
+    counter: Counter<'a, D>,
     options: &'a Options,
     checkpoint: Option<Checkpoint>,
     reciprocity: bool,
-    xyz: Option<fn(S) -> [f64; 3]>,
+    /// Of what is counted in the visible band, where colour is asked for.
+    xyz: Option<fn(D::Flux) -> [f64; 3]>,
 }
 
 /// A round, and whether it has to be the last.
@@ -159,14 +207,15 @@ struct Next {
     last: bool,
 }
 
-impl<'a, S: Spectrum> Generator<'a, S> {
+impl<'a, D: Detector> Generator<'a, D> {
     fn new(
         device: &Device,
         options: &'a Options,
         progress: &'a Progress,
-        xyz: Option<fn(S) -> [f64; 3]>,
+        detector: D,
+        xyz: Option<fn(D::Flux) -> [f64; 3]>,
     ) -> Result<Self, GenerateError> {
-        let scene = Scene::new(device)?;
+        let scene = Scene::<D::Light>::new(device)?;
         let aperture = match (options.aperture, options.tile) {
             (Some(aperture), _) => aperture,
             (None, false) => bounding_box(device)?,
@@ -181,12 +230,13 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             true => Reuse::new(&scene, device, options, &aperture, tile.as_ref()),
             false => None,
         };
-        let job = |n_sites| Job::new::<S>(device, options, &aperture, n_sites);
+        let counted = Counted { spectral: D::SPECTRAL, n_channels: D::Flux::CHANNELS };
+        let job = |n_sites| Job::new(device, options, &aperture, counted, n_sites);
         let checkpoint = match &options.checkpoint {
             Some(directory) => Some(Checkpoint::open(directory, &job(reuse.as_ref().map(Reuse::n_sites)))?),
             None => None,
         };
-        let counter = Counter { scene, options, aperture, tile, reuse, progress };
+        let counter = Counter { detector, scene, options, aperture, tile, reuse, progress };
         Ok(Generator { counter, options, checkpoint, reciprocity, xyz })
     }
 
@@ -230,7 +280,9 @@ impl<'a, S: Spectrum> Generator<'a, S> {
                 let estimated = self.estimated(&counts, samples)?;
                 reducing = started.elapsed();
                 let reached = |tolerance: f64| {
-                    estimated.error <= tolerance && estimated.direction_error <= options.direction_tolerance
+                    largest(&estimated.bands, |band| band.error) <= tolerance
+                        && largest(&estimated.bands, |band| band.direction_error)
+                            <= options.direction_tolerance
                 };
                 if options.tolerance.is_some_and(reached) {
                     break (Stop::Tolerance, Some(estimated));
@@ -243,7 +295,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             self.counter.progress.resume(Some(all));
         }
         let started = Instant::now();
-        let Estimated { bsdf, errors, error, direction_error, totals } = match estimated {
+        let Results { bsdf, errors, bands } = match estimated {
             Some(estimated) => estimated,
             None => self.estimated(&counts, samples)?,
         };
@@ -255,9 +307,10 @@ impl<'a, S: Spectrum> Generator<'a, S> {
             paths: self.counter.paths(samples),
             samples,
             stop,
-            error,
-            direction_error,
-            totals,
+            error: largest(&bands, |band| band.error),
+            direction_error: largest(&bands, |band| band.direction_error),
+            totals: bands[0].totals.clone(),
+            bands,
             lost: spent.lost,
             tracing: Duration::from_secs_f64(spent.seconds),
             reducing: reducing.max(started.elapsed()),
@@ -298,7 +351,7 @@ impl<'a, S: Spectrum> Generator<'a, S> {
     /// Counts a round, or what is not in the checkpoint of it; returns what was spent on all of them.
     fn count(
         &self,
-        counts: &mut Counts<S>,
+        counts: &mut Counts<D::Flux>,
         round: &Range<u64>,
         before: Spent,
     ) -> Result<Spent, GenerateError> {
@@ -318,18 +371,24 @@ impl<'a, S: Spectrum> Generator<'a, S> {
     }
 
     /// Memory that a round may take, if that is too much.
-    fn gib_after(&self, counts: &Counts<S>, round: &Range<u64>) -> Option<f64> {
+    fn gib_after(&self, counts: &Counts<D::Flux>, round: &Range<u64>) -> Option<f64> {
         // A round can hold as much again as what there is.
         let exits = match round.start {
-            0 => self.counter.paths(round.end.min(self.options.layout.n_exitant() as u64)),
+            0 => {
+                let paths = self.counter.paths(round.end.min(self.options.layout.n_exitant() as u64));
+                paths * self.options.bands.len() as u64
+            }
             _ => 2 * counts.n_exits(),
         };
-        let bytes = exits * size_of::<Exit<S>>() as u64;
+        let bytes = exits * size_of::<Exit<D::Flux>>() as u64;
         (bytes > MAX_BYTES).then(|| bytes as f64 / (1u64 << 30) as f64)
     }
 
     fn warnings(&self, device: &Device, lost: u64) -> Vec<String> {
         let mut warnings = device.warnings.clone();
+        if D::SPECTRAL {
+            warnings.extend(unknown_light(device, &self.options.bands));
+        }
         if lost > 0 {
             warnings.push(format!("{lost} paths were trapped in the device and are missing"));
         }
@@ -358,23 +417,91 @@ impl<'a, S: Spectrum> Generator<'a, S> {
         }
     }
 
-    fn estimated(&self, counts: &Counts<S>, samples: u64) -> Result<Estimated, GenerateError> {
-        let model = self
-            .counter
-            .reuse
-            .as_ref()
-            .zip(counts.laid.as_ref())
-            .map(|(reuse, laid)| reuse.model(&self.counter.walker(reuse), laid, samples));
-        let estimator = Estimator {
-            options: self.options,
-            model,
-            n_diffused: Reuse::paths(&(0..samples)).end as f64,
-            reciprocity: self.reciprocity,
-            xyz: self.xyz,
-            n: samples as f64,
-        };
-        estimator.estimated(&counts.counted, Bsdf { header: self.header(), ..Bsdf::default() })
+    fn estimated(&self, counts: &Counts<D::Flux>, samples: u64) -> Result<Results, GenerateError> {
+        let Counter { reuse, detector, .. } = &self.counter;
+        let model = reuse.as_ref().zip(counts.laid.as_ref());
+        let model = model.map(|(reuse, laid)| reuse.model(&self.counter.walker(reuse), laid, samples));
+        let nothing = || Bsdf { header: self.header(), ..Bsdf::default() };
+        let mut results = Results { bsdf: nothing(), errors: nothing(), bands: Vec::new() };
+        for (k, (band, counted)) in self.options.bands.iter().zip(&counts.counted).enumerate() {
+            let xyz = self.xyz.filter(|_| band.is_visible());
+            let model =
+                model.as_ref().map(|model| move |part| pyramid(model, part, detector, k, xyz.is_some()));
+            let estimator = Estimator {
+                options: self.options,
+                band: band.name(),
+                model: model.as_ref().map(|model| model as &dyn Fn(Part) -> Pyramid),
+                n_diffused: Reuse::paths(&(0..samples)).end as f64,
+                reciprocity: self.reciprocity,
+                xyz,
+                n: samples as f64,
+            };
+            let estimated = estimator.estimated(counted)?;
+            results.bsdf.bands.push(estimated.band);
+            results.errors.bands.push(estimated.errors);
+            results.bands.push(BandReport {
+                name: band.name().into(),
+                error: estimated.error,
+                direction_error: estimated.direction_error,
+                totals: estimated.totals,
+            });
+        }
+        Ok(results)
     }
+}
+
+/// What follows from all that was counted.
+struct Results {
+    bsdf: Bsdf,
+    /// Standard errors, in the same form.
+    errors: Bsdf,
+    bands: Vec<BandReport>,
+}
+
+/// Says of which materials less is known than bands ask for.
+fn unknown_light(device: &Device, bands: &[Band]) -> Vec<String> {
+    let asked = bands.iter().map(Band::range_nm).fold(VISIBLE_NM, |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let names = |which: &dyn Fn(&Material) -> bool| {
+        let mut names: Vec<&str> =
+            device.materials.iter().filter(|m| which(&m.material)).map(|m| m.name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        (!names.is_empty()).then(|| shortened(&names))
+    };
+    let has_rgb = |material: &Material| {
+        asked != VISIBLE_NM
+            && !matches!(material, Material::Void | Material::Black)
+            && spectral_range_nm(material).is_none()
+    };
+    // At the ends of the visible range little is missing.
+    let needed = [
+        if asked[0] < VISIBLE_NM[0] { asked[0] } else { REACH_NM[0] },
+        if asked[1] > VISIBLE_NM[1] { asked[1] } else { REACH_NM[1] },
+    ];
+    let is_short = |material: &Material| {
+        spectral_range_nm(material).is_some_and(|[from, to]| from > needed[0] || to < needed[1])
+    };
+    let [from, to] = asked;
+    let grey = names(&has_rgb).map(|names| {
+        format!("no spectrum says what {names} are beyond the visible range (380 to 780 nm): there taken as grey of the same luminance")
+    });
+    let short = names(&is_short).map(|names| {
+        format!("spectra of {names} do not reach from {from} to {to} nm: beyond, they go on if they reach to 400 or 700 nm, and else are 0")
+    });
+    grey.into_iter().chain(short).collect()
+}
+
+/// Names, or the first of many.
+fn shortened(names: &[&str]) -> String {
+    const MOST: usize = 8;
+    match names.len() {
+        0..=MOST => names.join(", "),
+        n => format!("{} and {} more", names[..MOST].join(", "), n - MOST),
+    }
+}
+
+fn largest(bands: &[BandReport], of: impl Fn(&BandReport) -> f64) -> f64 {
+    bands.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Whether light sent back comes back as it went: materials are reciprocal, and no light leaves beside the aperture that it could

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::errors::STUDENT_95;
 use crate::reduce::{Kept, Member, Reducer, Region};
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::totals::Totals;
 
 /// |P − H| is tolerated relative to H, or to this if H is less.
@@ -24,7 +24,7 @@ const MAX_ROUNDS: u32 = 40;
 /// The tree with leaves split until totals are kept, and by how much each incident cell's total departs from what was counted.
 /// `totals` are those, before they were averaged with what travelled the other way, which would make them less exact; `headroom` is,
 /// for each incident cell, the part of the light that was counted neither as reflected nor as transmitted.
-pub(crate) fn guarded<S: Spectrum>(
+pub(crate) fn guarded<S: Flux>(
     reducer: &Reducer<'_, S>,
     kept: Kept,
     totals: &Totals,
@@ -90,7 +90,7 @@ enum Shape {
 
 impl Leaf {
     /// Calls `f` for each incident cell with how much more light the leaf gives it than was counted.
-    fn contributions<S: Spectrum>(&self, reducer: &Reducer<'_, S>, mut f: impl FnMut(u32, f64)) {
+    fn contributions<S: Flux>(&self, reducer: &Reducer<'_, S>, mut f: impl FnMut(u32, f64)) {
         if self.value == 0.0 && self.members.is_empty() && reducer.modelled(&self.region).value == 0.0 {
             return;
         }
@@ -103,7 +103,7 @@ impl Leaf {
     }
 }
 
-fn flattened<S: Spectrum>(
+fn flattened<S: Flux>(
     reducer: &Reducer<'_, S>,
     kept: Kept,
     region: Region,
@@ -136,7 +136,7 @@ fn assembled(shape: &Shape, leaves: &[Leaf]) -> Kept {
 }
 
 /// Leaves to split, best first; takes what they would remove from the excess.
-fn leaves_to_split<S: Spectrum>(
+fn leaves_to_split<S: Flux>(
     reducer: &Reducer<'_, S>,
     leaves: &[Leaf],
     sums: &[f64],

@@ -18,12 +18,14 @@
 //! ```
 
 pub mod random;
+pub mod spectra;
 pub mod scatter;
 pub mod bvh;
 pub mod tile;
 pub mod path;
 pub mod layout;
 pub mod tally;
+pub mod bands;
 pub mod options;
 mod diffuse;
 mod reciprocity;
@@ -41,9 +43,12 @@ mod checkpoint;
 mod count;
 mod geometry;
 pub mod generate;
+mod each_band;
 
+pub use bands::{Band, BandError};
 pub use checkpoint::CheckpointError;
-pub use generate::{GenerateError, Generated, Report, generate};
+pub use each_band::generate_bands;
+pub use generate::{BandReport, GenerateError, Generated, Report, generate};
 pub use layout::Layout;
 pub use options::{Aperture, Options, Sides};
 pub use progress::{Progress, Resumed};

@@ -6,6 +6,7 @@ use std::time::Duration;
 use bsdftree::Side;
 use bsdftree::bsdf::LengthUnit;
 
+use crate::bands::Band;
 use crate::layout::{Layout, MAX_LOG2_RES};
 
 /// A default at which pruning adds about 1 % to the error of the whole.
@@ -65,8 +66,13 @@ pub struct Options {
     pub stratified: bool,
     /// The sides that light comes from.
     pub sides: Sides,
-    /// Whether to keep colour.
+    /// Whether to keep colour, of the visible band.
     pub color: bool,
+    /// What light is counted, each as a band of its own in the file.
+    pub bands: Vec<Band>,
+    /// Whether colours of materials are what they are in the one band that is asked for, not in the visible range. Spectra, where there are
+    /// any, are spectra all the same.
+    pub own_band: bool,
     /// Whether to average pairs travelled one way with the same pairs travelled the other way; by default, where both must be equal (not
     /// for rank 3): all materials are reciprocal, and the device repeats or is flat, so that no light leaves by its sides.
     pub reciprocity: Option<bool>,
@@ -105,6 +111,8 @@ impl Options {
             stratified: true,
             sides: Sides::Both,
             color: false,
+            bands: vec![Band::visible()],
+            own_band: false,
             reciprocity: None,
             reuse: true,
             pruned: true,
@@ -135,6 +143,17 @@ impl Options {
         {
             if let Some(value) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
                 return Some(format!("a {name} of {value}; expected a number above 0, e.g. 0.05 for 5 %"));
+            }
+        }
+        if self.bands.is_empty() || (self.own_band && self.bands.len() > 1) {
+            return Some(format!(
+                "{} bands; expected one or more, and one if it is the materials' own",
+                self.bands.len()
+            ));
+        }
+        for (k, band) in self.bands.iter().enumerate() {
+            if self.bands[..k].iter().any(|other| other.name().eq_ignore_ascii_case(band.name())) {
+                return Some(format!("two bands named {}; give each once", band.name()));
             }
         }
         if self.threads == Some(0) {

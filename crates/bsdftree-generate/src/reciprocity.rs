@@ -13,7 +13,7 @@
 use rayon::prelude::*;
 
 use crate::layout::Layout;
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::tally::{Exit, Row, united};
 
 /// Steps of the fit. Few are left that are off by more than a thousandth.
@@ -21,7 +21,7 @@ const FITS: u32 = 12;
 
 /// The mean of a component and of another travelled the other way (of itself, for reflections, where it is symmetric) with the
 /// totals of both.
-pub fn averaged<S: Spectrum>(
+pub fn averaged<S: Flux>(
     layout: &Layout,
     rows: &[Row<S>],
     other: Option<&[Row<S>]>,
@@ -33,13 +33,13 @@ pub fn averaged<S: Spectrum>(
     mean
 }
 
-fn totals<S: Spectrum>(rows: &[Row<S>]) -> Vec<f64> {
+fn totals<S: Flux>(rows: &[Row<S>]) -> Vec<f64> {
     rows.iter().map(|row| row.iter().map(|exit| exit.sum.luminance()).sum()).collect()
 }
 
 /// Scales rows, and columns, so that their totals become those given; of columns, as if travelled the other way. A symmetric
 /// component stays so.
-fn fit<S: Spectrum>(layout: &Layout, rows: &mut [Row<S>], of_rows: &[f64], of_columns: Option<&[f64]>) {
+fn fit<S: Flux>(layout: &Layout, rows: &mut [Row<S>], of_rows: &[f64], of_columns: Option<&[f64]>) {
     let mut factors = [vec![1.0; rows.len()], vec![1.0; rows.len()]];
     let step = |factors: &mut [f64], sums: &[f64], wanted: &[f64]| {
         for ((factor, sum), wanted) in factors.iter_mut().zip(sums).zip(wanted) {
@@ -74,7 +74,7 @@ fn fit<S: Spectrum>(layout: &Layout, rows: &mut [Row<S>], of_rows: &[f64], of_co
 }
 
 /// The rows for light travelling the other way.
-fn transposed<S: Spectrum>(layout: &Layout, rows: &[Row<S>]) -> Vec<Row<S>> {
+fn transposed<S: Flux>(layout: &Layout, rows: &[Row<S>]) -> Vec<Row<S>> {
     let mut turned = vec![Row::new(); rows.len()];
     // Rows from last to first, so that turned rows of a tree come out sorted.
     for (i, row) in rows.iter().enumerate().rev() {
@@ -89,7 +89,7 @@ fn transposed<S: Spectrum>(layout: &Layout, rows: &[Row<S>]) -> Vec<Row<S>> {
     turned
 }
 
-fn merged<S: Spectrum>(a: &[Exit<S>], b: &[Exit<S>], n: f64) -> Row<S> {
+fn merged<S: Flux>(a: &[Exit<S>], b: &[Exit<S>], n: f64) -> Row<S> {
     united(a, b, |a, b| {
         let exits = || [a, b].into_iter().flatten();
         let mut mean = Exit::none(exits().next().expect("one of them has the cell").cell);

@@ -13,11 +13,10 @@
 
 use bsdftree::color::uv_from_xyz;
 use bsdftree::tree::{Rank, Slot, Tree, TreeBuilder, TreeError};
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::pyramid::Pyramid;
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::tally::{Exit, Row};
 
 /// What a unit of noise costs beside a unit of spread. Measured: flat between 2 and 3, and 1.5 keeps noise as detail.
@@ -121,7 +120,7 @@ pub(crate) struct Moments {
     pub variance: f64,
 }
 
-impl<S: Spectrum> Reducer<'_, S> {
+impl<S: Flux> Reducer<'_, S> {
     /// The cheapest tree.
     pub fn cheapest(&self) -> Kept {
         let (region, members) = self.root();
@@ -243,9 +242,9 @@ impl<S: Spectrum> Reducer<'_, S> {
         if let Some(xyz) = self.xyz {
             if let Some(model) = self.model {
                 let (level, i, o) = self.block(model, region);
-                let mut rgb = model.channels(level, i, o);
-                let rgb = DVec3::from_array([(); 3].map(|()| rgb.next().unwrap_or(0.0)));
-                total = xyz(S::from_rgb(rgb)).map(|c| c * self.n * self.omega * region.size());
+                let mut channels = model.channels(level, i, o);
+                let flux = S::from_channels(|_| channels.next().unwrap_or(0.0));
+                total = xyz(flux).map(|c| c * self.n * self.omega * region.size());
             }
             for exit in members.iter().flat_map(|&m| self.exits(m)) {
                 let add = xyz(exit.sum);

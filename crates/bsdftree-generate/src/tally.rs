@@ -1,7 +1,7 @@
 //! Counting paths: for one incident cell, the weight that leaves through each exitant cell.
 
 use crate::random::N_REPLICATES;
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 
 /// What left through one exitant cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,10 +16,21 @@ pub struct Exit<S> {
     pub replicates: [f32; N_REPLICATES],
 }
 
+/// A path that left.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exited<S> {
+    /// To the other side than it came from.
+    pub transmitted: bool,
+    /// By which exitant cell.
+    pub cell: u32,
+    pub weight: S,
+    pub replicate: usize,
+}
+
 /// Exits of one incident cell, in the order of their cells; cells that nothing left through are absent.
 pub type Row<S> = Vec<Exit<S>>;
 
-impl<S: Spectrum> Exit<S> {
+impl<S: Flux> Exit<S> {
     /// Nothing.
     pub const fn none(cell: u32) -> Exit<S> {
         Exit { cell, squares: 0.0, sum: S::BLACK, replicates: [0.0; N_REPLICATES] }
@@ -45,7 +56,7 @@ impl<S: Spectrum> Exit<S> {
 }
 
 /// Two rows as one: where both have a cell, the pair makes one exit of it.
-pub(crate) fn united<S: Spectrum>(
+pub(crate) fn united<S: Flux>(
     a: &[Exit<S>],
     b: &[Exit<S>],
     pair: impl Fn(Option<&Exit<S>>, Option<&Exit<S>>) -> Exit<S>,
@@ -64,7 +75,7 @@ pub(crate) fn united<S: Spectrum>(
 }
 
 /// The counts of both rows.
-pub(crate) fn added<S: Spectrum>(a: Row<S>, b: Row<S>) -> Row<S> {
+pub(crate) fn added<S: Flux>(a: Row<S>, b: Row<S>) -> Row<S> {
     if a.is_empty() {
         return b;
     }
@@ -87,7 +98,7 @@ pub struct Tally<S> {
     touched: Vec<u32>,
 }
 
-impl<S: Spectrum> Tally<S> {
+impl<S: Flux> Tally<S> {
     /// An empty histogram.
     pub fn new(n_exitant: usize) -> Tally<S> {
         Tally { exits: (0..n_exitant as u32).map(Exit::none).collect(), touched: Vec::new() }

@@ -5,15 +5,17 @@
 mod radiance;
 
 use std::collections::HashMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use bsdftree::{Band, Lobes, Side};
+use bsdftree::color::{uv_from_xyz, xyz_from_rgb};
+use bsdftree::{Band, Basis, Component, Lobes, Part, Rank, Scattering, Side, Tree, xml};
 use bsdftree_device::field::{File, digest};
 use bsdftree_device::material::{BsdfFile, Measured, Orientation};
-use bsdftree_device::{Device, Material, NamedMaterial, Shape, Surface};
+use bsdftree_device::{Device, Material, NamedMaterial, Shape, Surface, Unit};
 use bsdftree_generate::path::{Outcome, Scene};
 use bsdftree_generate::random::Random;
+use bsdftree_generate::{Layout, Options, Progress, generate};
 use glam::DVec3;
 
 /// Real files that say something of the visible band.
@@ -107,7 +109,7 @@ fn compare(band: &Band, scene: &Scene<f64>, incident: DVec3, n: u64, seed: u64) 
     let z =
         cells.values().filter(|(_, _, expected)| n * expected >= 25.0).map(|&(sum, squares, expected)| {
             // What all light leaves by has no variance, but rounding.
-        (sum - n * expected).abs() / (squares - sum * sum / n).max((1e-6 * n * expected).powi(2)).sqrt()
+            (sum - n * expected).abs() / (squares - sum * sum / n).max((1e-6 * n * expected).powi(2)).sqrt()
         });
     (z.clone().fold(0.0, f64::max), z.count())
 }
@@ -313,6 +315,163 @@ fn totals_are_those_of_radiance() {
                     "{name} at {theta}°: {ours:?}, rtrace {theirs:?} ± {error}"
                 );
             }
+        }
+    }
+}
+
+#[test]
+fn a_pattern_acts_on_what_is_lambertian_and_what_is_transmitted() {
+    let Some(path) = radiance::real_file("mermet/E_Screen_3pct_White.xml") else { return };
+    let text = format!(
+        "void brightfunc half 2 .5 . 0 0\nhalf BSDF m 6 0 {} 0 1 0 . 0 0\nm polygon p 0 0 12 -9 -9 0 9 -9 0 9 9 0 -9 9 0\n",
+        path.canonicalize().unwrap().display()
+    );
+    let device = Device::parse_rad(&text, "half.rad", ".".as_ref(), Unit::Meter).unwrap();
+    let scene = Scene::<f64>::new(&device).unwrap();
+    let file = read("mermet/E_Screen_3pct_White.xml").unwrap();
+    for theta in [10.0, 50.0, 140.0] {
+        let incident = radiance::polar(theta, 15.0);
+        let from = Side::of(incident.to_array());
+        let lambertian = file.band().answering(from, from).unwrap().0.luminance.lambertian();
+        let [reflected, transmitted] = [Lobes::Reflection, Lobes::Transmission]
+            .map(|lobes| file.band().hemispherical(incident.to_array(), lobes));
+        let mut sums = [0.0; 2];
+        let n = 100_000;
+        for (direction, weight) in follow(&scene, incident, n, 3).flatten() {
+            sums[usize::from(direction.z * incident.z < 0.0)] += weight / n as f64;
+        }
+        let expected = [reflected - 0.5 * lambertian, 0.5 * transmitted];
+        for k in 0..2 {
+            assert!((sums[k] - expected[k]).abs() < 0.008, "{theta}: {sums:?}, expected {expected:?}");
+        }
+        if radiance::programs().is_some() {
+            let options = "-ab 1 -ad 64 -as 0 -aa 0 -lw 1e-9 -st 0 -ss 1";
+            let [seen, error] =
+                radiance::mean(&format!("{}{text}", radiance::SKIES), options, incident, 1000);
+            let theirs = if incident.z > 0.0 { [seen.x, seen.y] } else { [seen.y, seen.x] };
+            for k in 0..2 {
+                let difference = (expected[k] - theirs[k]).abs();
+                assert!(
+                    difference < 0.006 + 4.0 * error.max_element(),
+                    "{theta}: {expected:?}, rtrace {theirs:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn colours_of_a_file_are_those_of_the_light() {
+    // A reddish tree, and one whose green no screen can show.
+    for (uv, in_gamut) in [([0.30, 0.50], true), ([0.02, 0.58], false)] {
+        let mut bsdf = bsdftree::Bsdf::default();
+        let uniform = |value: f64| Scattering::from(Tree::uniform(Rank::Four, value as f32));
+        let chroma = Some([uniform(uv[0]), uniform(uv[1])]);
+        bsdf.band_mut("Visible").insert(Part::ReflectionBack, Component { luminance: uniform(0.2), chroma });
+        let mut bytes = Vec::new();
+        xml::write(&bsdf, &mut bytes).unwrap();
+        let file = File { path: "colour.xml".into(), digest: digest(&bytes) };
+        let (file, _) = BsdfFile::parse(&bytes, file).unwrap();
+        assert!(file.has_color());
+        let device = pane(Material::Measured(Arc::new(measured(&file, false))));
+        let scene = Scene::<DVec3>::new(&device).unwrap();
+        let Outcome::Left(_, weight) = scene.follow(DVec3::Z, DVec3::NEG_Z, None, &mut Random::new(1, 0, 0))
+        else {
+            panic!("absorbed")
+        };
+        let xyz = xyz_from_rgb(weight.to_array());
+        assert!((xyz[1] - 0.2 * PI).abs() < 1e-6, "{xyz:?}");
+        let found = uv_from_xyz(xyz);
+        let same = (0..2).all(|k| (found[k] - uv[k]).abs() < 1e-6);
+        assert_eq!(same, in_gamut, "{found:?}");
+        assert!(weight.min_element() >= 0.0);
+    }
+}
+
+#[test]
+fn generation_gives_the_file_back() {
+    // Klems: an incident patch of the generation is one of the file.
+    for name in ["pyradiance/blinds.xml", "frads/blinds30.xml"] {
+        let Some(file) = read(name) else { return };
+        let device = pane(Material::Measured(Arc::new(measured(&file, false))));
+        let basis = Arc::new(Basis::full());
+        let options = Options { samples: 16384, ..Options::new(Layout::Klems(basis.clone())) };
+        let generated = generate(&device, &options, &Progress::default()).unwrap();
+        let ours = generated.bsdf.band("Visible").expect("generated");
+        let mut n_compared = 0;
+        for (part, component) in file.band().components() {
+            let ours = &ours.component(part).expect("what the file has").luminance;
+            let (Scattering::Matrix(theirs), Scattering::Matrix(ours)) = (&component.luminance, ours) else {
+                panic!("not Klems")
+            };
+            for (k, (theirs, ours)) in theirs.values().iter().zip(ours.values()).enumerate() {
+                let (theirs, ours) = (f64::from(*theirs), f64::from(*ours));
+                let hits = theirs * basis.projected_solid_angle(k % basis.n_patches()) * 16384.0;
+                if hits >= 50.0 {
+                    n_compared += 1;
+                    // Even points scatter less than independent ones do.
+                    let z = (ours / theirs - 1.0) * hits.sqrt();
+                    assert!(z.abs() < 5.5, "{name} {part:?} {k}: {theirs} {ours}");
+                }
+            }
+        }
+        assert!(n_compared > 800, "{n_compared}");
+    }
+}
+
+#[test]
+fn reuse_of_diffused_light_leaves_such_devices_alone() {
+    let Some(file) = read("pyradiance/blinds.xml") else { return };
+    let mut device = Device::from_spec("blinds").unwrap();
+    let [low, high] = device.bounds().unwrap();
+    let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
+    let shape = Shape::Polygon(corners.iter().map(|&(x, y)| DVec3::new(x, y, low.z - 0.01)).collect());
+    device.materials.push(NamedMaterial {
+        name: "m".into(),
+        material: Material::Measured(Arc::new(measured(&file, true))),
+    });
+    let material = device.materials.len() as u32 - 1;
+    device.surfaces.push(Surface { name: "pane".into(), shape, material });
+    let run = |reuse| {
+        let layout = Layout::Tree { rank: Rank::Four, log2_res: 2 };
+        let options = Options { samples: 512, reuse, ..Options::new(layout) };
+        generate(&device, &options, &Progress::default()).unwrap()
+    };
+    let [with, without] = [true, false].map(run);
+    for (a, b) in with.report.totals.iter().zip(&without.report.totals) {
+        assert_eq!(format!("{a:?}"), format!("{b:?}"));
+    }
+    assert!(!with.report.totals.is_empty());
+}
+
+#[test]
+fn a_fabric_behind_glass_is_as_in_radiance() {
+    let Some(path) = radiance::real_file("mermet/E_Screen_3pct_White.xml") else { return };
+    if radiance::programs().is_none() {
+        return;
+    }
+    let text = format!(
+        "void glass clear 0 0 3 .93 .93 .93\nclear polygon g 0 0 12 -60 -60 -.05 60 -60 -.05 60 60 -.05 -60 60 -.05\n\
+         void BSDF screen 6 0 {} 0 1 0 . 0 0\nscreen polygon s 0 0 12 -60 -60 0 60 -60 0 60 60 0 -60 60 0\n",
+        path.canonicalize().unwrap().display()
+    );
+    let device = Device::parse_rad(&text, "stack.rad", ".".as_ref(), Unit::Meter).unwrap();
+    let scene = Scene::<f64>::new(&device).unwrap();
+    for theta in [20.0, 50.0, 130.0, 160.0] {
+        let incident = radiance::polar(theta, 30.0);
+        let options = "-ab 6 -ad 16 -as 0 -aa 0 -lw 1e-5 -lr 12 -st 0 -ss 1";
+        let [seen, error] = radiance::mean(&format!("{}{text}", radiance::SKIES), options, incident, 1500);
+        let theirs = if incident.z > 0.0 { [seen.x, seen.y] } else { [seen.y, seen.x] };
+        let mut ours = [0.0; 2];
+        let n = 100_000;
+        for (direction, weight) in follow(&scene, incident, n, 5).flatten() {
+            ours[usize::from(direction.z * incident.z < 0.0)] += weight / n as f64;
+        }
+        for k in 0..2 {
+            assert!(
+                (ours[k] - theirs[k]).abs() < 0.005 + 4.0 * error.max_element(),
+                "{theta}°: {ours:?}, rtrace {theirs:?} ± {error}"
+            );
         }
     }
 }

@@ -109,6 +109,35 @@ fn a_texture_tilts_a_mirror() {
 }
 
 #[test]
+fn smooth_meshes_scatter_by_their_own_normal() {
+    // As a texture does, without one: what a mesh tells of a place is added to the normal.
+    let perturbation = DVec3::new(0.3, 0.1, -0.05);
+    let normal = (DVec3::Z + perturbation).normalize();
+    let meeting = |incoming: DVec3| Meeting {
+        local: bsdftree_generate::scatter::Local { uv: [0.0; 2], perturbation },
+        ..Meeting::new(DVec3::Z, incoming)
+    };
+    for side in [1.0, -1.0] {
+        let incoming = -side * DVec3::from_array(incident(25.0));
+        let metal = prepared(&device(&format!("void metal m 0 0 5 .9 .9 .9 1 0\nm {PANE}")));
+        let scatter = metal.scatter(&meeting(incoming), &mut Random::new(0, 0, 0)).unwrap();
+        assert!(scatter.direction.distance(incoming - normal * (2.0 * normal.dot(incoming))) < 1e-12);
+        // Directions of diffuse light have the mean of ⅔ of that normal, but for the few that would be below the surface.
+        let paint = prepared(&device(&format!("void plastic m 0 0 5 .5 .5 .5 0 0\nm {PANE}")));
+        let mut random = Random::new(11, 0, 0);
+        let n = 100_000;
+        let mut sum = DVec3::ZERO;
+        for _ in 0..n {
+            if let Some(s) = paint.scatter(&meeting(incoming), &mut random) {
+                assert!(s.direction.z * side > 0.0);
+                sum += s.direction;
+            }
+        }
+        assert!((sum / f64::from(n)).distance(normal * (side * 2.0 / 3.0)) < 0.03, "{}", sum / f64::from(n));
+    }
+}
+
+#[test]
 fn waves_turn_a_mirror_where_they_are_steep() {
     // The slope is ±1/10 on halves of the pane, so that half of the light goes to either of two directions.
     let text =

@@ -43,7 +43,7 @@ impl TryFrom<Reading> for ReadOptions {
 }
 
 fn unknown(kind: &str) -> PyErr {
-    value_error(format!("files of the kind {kind:?} are not read; expected \"rad\", \"mgf\" or \"xml\""))
+    value_error(format!("files of the kind {kind:?} are not read; expected \"scene\", \"rad\", \"mgf\" or \"xml\""))
 }
 
 /// The device inside the one BSDF file.
@@ -69,6 +69,7 @@ impl Device {
     fn _read(py: Python<'_>, kind: &str, paths: Vec<PathBuf>, options: Reading) -> PyResult<Device> {
         let options = ReadOptions::try_from(options)?;
         let device = py.detach(|| match kind {
+            "scene" => bsdftree_device::Device::read(&paths, options).map_err(value_error),
             "rad" => bsdftree_device::Device::read_rad(&paths, options).map_err(value_error),
             "mgf" => bsdftree_device::Device::read_mgf(&paths, options).map_err(value_error),
             "xml" => read_bsdf(&paths, options),
@@ -93,6 +94,13 @@ impl Device {
     #[staticmethod]
     fn _from_spec(spec: &str) -> PyResult<Device> {
         Ok(Device(Arc::new(bsdftree_device::Device::from_spec(spec).map_err(value_error)?)))
+    }
+
+    /// The same device of the materials that files define under the names of its own.
+    fn _with_materials(&self, py: Python<'_>, paths: Vec<PathBuf>, options: Reading) -> PyResult<Device> {
+        let options = ReadOptions::try_from(options)?;
+        let device = py.detach(|| self.0.with_materials(&paths, options)).map_err(value_error)?;
+        Ok(Device(Arc::new(device)))
     }
 
     fn _turned_up(&self, up: &str) -> PyResult<Device> {

@@ -6,7 +6,9 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use bsdftree::bsdf::LengthUnit;
-use bsdftree_generate::{Aperture, GenerateError, Generated, Options, Progress, Sides, Stop};
+use bsdftree_generate::{
+    Aperture, Band, GenerateError, Generated, Options, Progress, Sides, Stop, generate_bands,
+};
 use numpy::PyArray1;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -26,9 +28,9 @@ pub struct Generation {
     thread: Mutex<Option<JoinHandle<Outcome>>>,
 }
 
-/// Starts a generation; `aperture` is in `unit`. Of `klems` and (`rank`, `log2_res`) exactly one is given.
+/// Starts a generation; `aperture` is in `unit`, `own` are devices of bands with materials of their own. Of `klems` and (`rank`, `log2_res`) exactly one is given.
 #[pyfunction]
-#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, detail, time_budget, stratified, sides, color, reciprocity, reuse, pruned, aperture, tile, unit, seed, threads, checkpoint, geometry=false))]
+#[pyo3(signature = (device, *, rank, log2_res, klems, subdivide, samples, tolerance, direction_tolerance, detail, time_budget, stratified, sides, color, reciprocity, reuse, pruned, aperture, tile, unit, seed, threads, checkpoint, geometry=false, bands=None, own=Vec::new()))]
 #[allow(clippy::too_many_arguments, reason = "the keyword arguments of one Python function")]
 pub fn generate(
     device: &Device,
@@ -54,6 +56,8 @@ pub fn generate(
     threads: Option<usize>,
     checkpoint: Option<PathBuf>,
     geometry: bool,
+    bands: Option<Vec<String>>,
+    own: Vec<(String, PyRef<'_, Device>)>,
 ) -> PyResult<Generation> {
     let layout = layout::layout(rank, log2_res, klems, subdivide)?;
     let sides = match sides {
@@ -69,6 +73,16 @@ pub fn generate(
         let [min, max] = corners.map(|corner| corner.map(|length| length * unit.meters()));
         Aperture { min, max }
     });
+    let bands = match bands {
+        None => vec![Band::visible()],
+        Some(names) => {
+            names.iter().map(|name| name.parse()).collect::<Result<_, _>>().map_err(value_error)?
+        }
+    };
+    let own = own.iter().map(|(name, device)| {
+        Ok((Band::named(name).map_err(value_error)?, bsdftree_device::Device::clone(&device.0)))
+    });
+    let own = own.collect::<PyResult<Vec<_>>>()?;
     let time_budget = time_budget.map(Duration::try_from_secs_f64).transpose().map_err(value_error)?;
     let options = Options {
         layout,
@@ -80,6 +94,8 @@ pub fn generate(
         stratified,
         sides,
         color,
+        bands,
+        own_band: false,
         reciprocity,
         reuse,
         pruned,
@@ -93,7 +109,7 @@ pub fn generate(
     };
     let progress = Arc::new(Progress::default());
     let (device, shared) = (Arc::clone(&device.0), Arc::clone(&progress));
-    let thread = std::thread::spawn(move || bsdftree_generate::generate(&device, &options, &shared));
+    let thread = std::thread::spawn(move || generate_bands(&device, &own, &options, &shared));
     Ok(Generation { progress, thread: Mutex::new(Some(thread)) })
 }
 
@@ -153,15 +169,14 @@ impl Generation {
         dict.set_item("stop", stop)?;
         dict.set_item("error", report.error)?;
         dict.set_item("direction_error", report.direction_error)?;
-        let totals: Vec<_> = report
-            .totals
-            .into_iter()
-            .map(|totals| {
+        let bands = report.bands.into_iter().map(|band| {
+            let totals = band.totals.into_iter().map(|totals| {
                 let arrays = [totals.values, totals.errors].map(|v| PyArray1::from_vec(py, v));
                 (totals.part.key(), arrays)
-            })
-            .collect();
-        dict.set_item("totals", totals)?;
+            });
+            (band.name, band.error, band.direction_error, totals.collect::<Vec<_>>())
+        });
+        dict.set_item("bands", bands.collect::<Vec<_>>())?;
         dict.set_item("lost", report.lost)?;
         dict.set_item("tracing_seconds", report.tracing.as_secs_f64())?;
         dict.set_item("reducing_seconds", report.reducing.as_secs_f64())?;

@@ -109,6 +109,21 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 )
 @click.option("--color", is_flag=True, help="Keep colour: Y, u′, v′ trees or X, Y, Z matrices.")
 @click.option(
+    "--bands",
+    default="Visible",
+    show_default=True,
+    metavar="NAME,...",
+    help="Bands of the file: Visible, Solar, NIR, UV, a wavelength in nm such as 550, or a mean over wavelengths such "
+    "as PAR:400-700. Materials with spectra are traced by wavelengths.",
+)
+@click.option(
+    "--band",
+    "own_bands",
+    multiple=True,
+    metavar="NAME=FILE",
+    help="A band with materials of its own: a Radiance file that defines them under the same names; may be repeated.",
+)
+@click.option(
     "--reciprocity/--no-reciprocity",
     default=None,
     help="Average pairs of directions with the same pairs swapped. "
@@ -213,6 +228,8 @@ def generate(
     sampling: str,
     sides: str,
     color: bool,
+    bands: str,
+    own_bands: tuple[str, ...],
     reciprocity: bool | None,
     no_reuse: bool,
     no_prune: bool,
@@ -290,6 +307,7 @@ def generate(
             sampling=sampling,  # type: ignore[arg-type]
             sides=sides,  # type: ignore[arg-type]
             color=color,
+            bands=_bands(bands, own_bands),
             reciprocity=reciprocity,
             reuse=not no_reuse,
             prune=not no_prune,
@@ -353,6 +371,17 @@ def _kept(checkpoint: str | None) -> Iterator[None]:
         raise
 
 
+def _bands(names: str, own: tuple[str, ...]) -> dict[str, list[str] | None] | list[str]:
+    """Bands with the files of those that have materials of their own."""
+    bands: dict[str, list[str] | None] = {name.strip(): None for name in names.split(",")}
+    for pair in own:
+        name, is_pair, path = pair.partition("=")
+        if not is_pair or not name.strip() or not path:
+            raise click.UsageError(f"--band {pair}: expected NAME=FILE, e.g. Solar=solar.rad")
+        bands[name.strip()] = [*(bands.get(name.strip()) or []), path]
+    return bands if own else list(bands)
+
+
 def _show_resumed(where: Resumed, limit: int | None) -> None:
     if where.samples == where.round_end:
         line = f"nothing left to count: the checkpoint has {where.samples} samples per incident cell"
@@ -365,7 +394,11 @@ def _show_resumed(where: Resumed, limit: int | None) -> None:
 
 
 def _summary(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: float) -> dict[str, Any]:
-    return summarize(bsdf, output) | {
+    summary = summarize(bsdf, output)
+    errors = {band.name: {"error": band.error, "direction_error": band.direction_error} for band in report.bands}
+    bands = [band | errors.get(band["band"], {}) for band in summary["bands"]]
+    return summary | {
+        "bands": bands,
         "paths": report.paths,
         "samples": report.samples,
         "stop": report.stop,
@@ -394,3 +427,9 @@ def _show(bsdf: bsdftree.Bsdf, output: str, report: GenerationReport, seconds: f
         f"{report.error:.1%} of the whole, {report.direction_error:.1%} of the worst direction's total",
         highlight=False,
     )
+    for band in report.bands if len(report.bands) > 1 else ():
+        stderr.print(
+            f"  {band.name}: estimated error {band.error:.1%} of the whole, {band.direction_error:.1%} of the worst "
+            "direction's total",
+            highlight=False,
+        )

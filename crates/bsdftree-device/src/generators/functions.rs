@@ -94,8 +94,8 @@ impl Functions {
 pub(super) struct Curve {
     functions: Vec<Function>,
     values: Vec<f64>,
-    most_steps: usize,
-    n_steps: usize,
+    most_steps: u64,
+    n_steps: u64,
     at: Place,
 }
 
@@ -105,9 +105,9 @@ impl Curve {
         for (value, function) in self.values.iter_mut().zip(&self.functions) {
             let mut scratch = Scratch::default();
             *value = function.call_in(parameters, &(), &mut scratch)?;
-            self.n_steps += scratch.steps();
+            self.n_steps += scratch.steps() as u64;
             if self.n_steps > self.most_steps {
-                return Err(TooMany::Operations.error(&self.at, self.most_steps as u64));
+                return Err(TooMany::Operations.error(&self.at, self.most_steps));
             }
         }
         Ok(&self.values)

@@ -40,11 +40,8 @@ pub(crate) struct Environment<'a> {
     /// Most statements it may make.
     pub limit: u64,
     /// Most operations of all its formulas.
-    pub most_steps: usize,
+    pub most_steps: u64,
 }
-
-/// Operations that take some ten seconds.
-pub(crate) const MOST_STEPS: usize = 1_000_000_000;
 
 type Generator = fn(&mut Arguments, &Environment, &mut Output) -> Result<(), DeviceError>;
 

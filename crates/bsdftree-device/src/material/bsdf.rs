@@ -8,7 +8,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use bsdftree::xml::{self, Severity, Strictness, XmlError};
-use bsdftree::{Band, Bsdf, Lobes, Side};
+use bsdftree::{Band, Bsdf, Lobes, Rank, Scattering, Side};
 use glam::DVec3;
 
 use super::Orientation;
@@ -80,6 +80,12 @@ impl BsdfFile {
     /// The band that light scatters by.
     pub fn band(&self) -> &Band {
         &self.bsdf.bands[self.band]
+    }
+
+    /// Whether it is the same for all azimuths, so that it needs no up direction.
+    pub fn is_isotropic(&self) -> bool {
+        let is_rank3 = |s: &Scattering| matches!(s, Scattering::Tree(tree) if tree.rank() == Rank::Three);
+        self.band().components().all(|(_, component)| is_rank3(&component.luminance))
     }
 
     /// Whether it has colours.

@@ -2,7 +2,21 @@
 //!
 //! In: the text or bytes of OBJ, PLY, STL or Radiance's compiled meshes. Out: [`Mesh`]es, one for each material, that
 //! share their [`Vertices`].
+//!
+//! Modules in the order in which data flows: [`format`] → [`obj`], [`ply`], [`stl`], [`rtm`] ([`octree`], [`compiled`],
+//! [`direction`]) → [`parts`]; [`mod@write`].
 
+mod compiled;
+mod direction;
+mod format;
+mod obj;
+mod octree;
+mod parts;
+mod ply;
+mod rtm;
+mod stl;
+#[cfg(test)]
+mod tests;
 mod write;
 
 use std::sync::Arc;
@@ -10,6 +24,9 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::triangulate::is_degenerate;
+pub(crate) use format::Format;
+pub(crate) use octree::{Octree, read_octree};
+pub(crate) use parts::{Made, MeshFile, Part};
 pub(crate) use write::{smooth_texture, write_polygons};
 
 /// Triangles over vertices that other meshes may share; the front is where they turn counter-clockwise.

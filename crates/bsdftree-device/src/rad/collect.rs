@@ -7,6 +7,7 @@ use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use super::definition::{Definition, MadeOf};
+use super::optics;
 use super::scene::Placement;
 use super::shape::{self, Shaped};
 use super::statement::Primitive;
@@ -20,6 +21,7 @@ use crate::shape::Shape;
 pub(crate) struct Collection {
     limits: Limits,
     bytes_used: u64,
+    n_triangles: u64,
     device: Device,
     /// Index of each material by its name and parameters, so that copies of a definition are one.
     indices: HashMap<String, u32>,
@@ -32,6 +34,7 @@ impl Collection {
         Collection {
             limits,
             bytes_used: 0,
+            n_triangles: 0,
             device: Device::default(),
             indices: HashMap::new(),
             told: HashSet::new(),
@@ -67,6 +70,9 @@ impl Collection {
         let shaped = shape::place(p, &placement.transform, placement.invert);
         let Some(shape) = self.kept(&p.kind, &name, shaped, at)? else { return Ok(()) };
         let material = self.material(definition, &name, at)?;
+        if let Some(warning) = optics::lost_orientation(&self.device.materials[material as usize], &shape) {
+            self.warn(format!("{at}: {} \"{name}\": {warning}", p.kind));
+        }
         self.push(Surface { name, shape, material }, at)
     }
 
@@ -106,8 +112,17 @@ impl Collection {
         Ok(())
     }
 
+    /// Counts the triangles of a mesh.
+    pub(super) fn count_triangles(&mut self, n: u64, at: &Place) -> Result<(), DeviceError> {
+        self.n_triangles = self.n_triangles.saturating_add(n);
+        if self.n_triangles > self.limits.surfaces {
+            return Err(too_large(at, "triangles of meshes", self.limits.surfaces));
+        }
+        Ok(())
+    }
+
     /// Index of the material of a definition in the device, which it enters on its first use.
-    fn material(
+    pub(super) fn material(
         &mut self,
         definition: Option<&Definition>,
         user: &str,

@@ -115,6 +115,9 @@ pub(super) struct Setting<'a> {
     pub unit: f64,
 }
 
+/// Definitions that are not in force for the time being.
+pub(super) struct Aside(HashMap<String, Rc<Definition>>);
+
 /// All definitions in force.
 #[derive(Default)]
 pub(super) struct Definitions {
@@ -134,6 +137,27 @@ impl Definitions {
     fn find_named(&self, kind: &'static str, name: &str, at: &Place) -> Result<Rc<Definition>, DeviceError> {
         let found = self.latest.get(name).cloned();
         found.ok_or_else(|| DeviceError::Undefined { at: at.clone(), kind, name: name.to_owned() })
+    }
+
+    /// What a name stands for now.
+    pub(super) fn latest(&self, name: &str) -> Option<&Definition> {
+        self.latest.get(name).map(Rc::as_ref)
+    }
+
+    /// Whether [`Definitions::find`] finds something.
+    pub(super) fn knows(&self, modifier: &str) -> bool {
+        modifier == "void" || self.latest.contains_key(modifier)
+    }
+
+    /// Puts all definitions aside for what has its own, which begins with at most this one.
+    pub(super) fn set_aside(&mut self, first: Option<(&str, Rc<Definition>)>) -> Aside {
+        let first = first.map(|(name, definition)| (name.to_owned(), definition));
+        Aside(std::mem::replace(&mut self.latest, first.into_iter().collect()))
+    }
+
+    /// Forgets what was defined since, and goes on with what was put aside.
+    pub(super) fn restore(&mut self, aside: Aside) {
+        self.latest = aside.0;
     }
 
     /// Defines a material or another modifier.

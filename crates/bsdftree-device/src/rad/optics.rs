@@ -16,9 +16,11 @@ use super::modifier::Described;
 use super::problem::Problem;
 use super::statement::{Primitive, quoted, real};
 use super::transform;
+use crate::device::NamedMaterial;
 use crate::error::DeviceError;
 use crate::field::{Field, RayState, Source};
 use crate::material::{Ashikhmin, Material, Measured, Orientation, PartModifiers, Prism, Redirection, Wgmd};
+use crate::shape::Shape;
 
 /// Whether a type is one of these.
 pub(super) fn is_one(kind: &str) -> bool {
@@ -231,6 +233,27 @@ fn orientation(reader: &mut FieldReader, first: usize) -> Described<Orientation>
         return Err(Rc::new(Problem::value(reader.standing.at, expected, "a vector of no length")));
     }
     Ok((Orientation::Constant(direction), None))
+}
+
+/// What the user should know of a flat surface whose normal is the up direction of its BSDF, so that right and up are not told.
+pub(super) fn lost_orientation(named: &NamedMaterial, shape: &Shape) -> Option<String> {
+    let mut material = &named.material;
+    while let Material::Modified { material: inner, .. } = material {
+        material = inner;
+    }
+    let Material::Measured(measured) = material else { return None };
+    let Orientation::Constant(up) = measured.up else { return None };
+    let normal = match shape {
+        Shape::Polygon(vertices) => {
+            vertices.iter().zip(vertices.iter().cycle().skip(1)).map(|(a, b)| a.cross(*b)).sum::<DVec3>()
+        }
+        Shape::Ring { normal, .. } => *normal,
+        _ => return None,
+    };
+    let is_lost = normal.normalize_or_zero().cross(up.normalize_or_zero()).length() < 1e-9;
+    (is_lost && !measured.file.is_isotropic()).then(|| {
+        format!("its normal is the up direction of BSDF \"{}\": it is black; give another one", named.name)
+    })
 }
 
 fn color(reader: &FieldReader, k: usize, name: &str) -> Result<DVec3, Rc<Problem>> {

@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use super::collect::{self, Collection};
 use super::command;
-use super::definition::{Definitions, Setting};
+use super::definition::{Definition, Definitions, Setting};
 use super::files::{Files, Source};
 use super::library::Standing;
 use super::statement::{Content, Primitive, Statement, quoted};
@@ -24,14 +24,14 @@ use crate::options::ReadOptions;
 
 /// The state of a walk.
 pub(super) struct Scene {
-    options: ReadOptions,
-    files: Files,
+    pub(super) options: ReadOptions,
+    pub(super) files: Files,
     /// Files being walked, outermost first.
-    chain: Vec<PathBuf>,
+    pub(super) chain: Vec<PathBuf>,
     /// What commands have made, by what they are and where they ran.
     streams: HashMap<PathBuf, Vec<Rc<Source>>>,
-    definitions: Definitions,
-    collection: Collection,
+    pub(super) definitions: Definitions,
+    pub(super) collection: Collection,
 }
 
 /// What the commands around a statement do to it.
@@ -77,6 +77,11 @@ impl Scene {
         }
     }
 
+    /// What a name stands for after all that was walked.
+    pub(super) fn defined(&self, name: &str) -> Option<&Definition> {
+        self.definitions.latest(name)
+    }
+
     pub(super) fn into_device(self) -> Device {
         self.collection.into_device()
     }
@@ -88,7 +93,7 @@ impl Scene {
     }
 
     /// Walks a file. Its commands run in `directory`, or in the file's own directory if that is `None`.
-    fn include(
+    pub(super) fn include(
         &mut self,
         (path, source): &(PathBuf, Rc<Source>),
         directory: Option<&Path>,
@@ -100,7 +105,7 @@ impl Scene {
         Ok(())
     }
 
-    fn check_chain(&self, file: &PathBuf, at: &Place) -> Result<(), DeviceError> {
+    pub(super) fn check_chain(&self, file: &PathBuf, at: &Place) -> Result<(), DeviceError> {
         if let Some(first) = self.chain.iter().position(|other| other == file) {
             let circle = self.chain[first..].iter().chain([file]);
             return Err(DeviceError::Cycle {
@@ -139,6 +144,7 @@ impl Scene {
                         let definition = self.definitions.find(modifier, &at)?;
                         self.collection.surface(p, definition.as_deref(), placement, &at)?;
                     }
+                    Class::Reference => self.referenced(p, directory, placement, &at)?,
                     Class::UnsupportedSurface => return Err(unsupported_surface(p, &at)),
                     Class::Material | Class::Modifier | Class::Mixture | Class::UnsupportedModifier(_) => {
                         let standing = Standing { at: &at, directory, files: &self.files };
@@ -245,8 +251,7 @@ impl Scene {
 fn unsupported_surface(p: &Primitive, at: &Place) -> DeviceError {
     let advice = match &*p.kind {
         "source" => "a device has no distant light: remove it",
-        "instance" => "include the scene that the octree was made from by '!xform'",
-        _ => "give its triangles as polygons",
+        _ => "leave it out",
     };
     DeviceError::Unsupported {
         at: at.clone(),

@@ -42,6 +42,20 @@ pub(crate) struct Primitive {
     pub reals: Vec<f64>,
 }
 
+impl Primitive {
+    /// `None` if Radiance has no such type.
+    pub(crate) fn of(
+        modifier: String,
+        kind: String,
+        name: String,
+        strings: Vec<String>,
+        reals: Vec<f64>,
+    ) -> Option<Primitive> {
+        let class = Class::of(&kind)?;
+        Some(Primitive { modifier, kind, class, name, strings, reals })
+    }
+}
+
 impl Statement {
     /// A primitive that stands in no file; its type must be one of Radiance's.
     pub(crate) fn made(
@@ -52,13 +66,9 @@ impl Statement {
         strings: &[&str],
         reals: Vec<f64>,
     ) -> Statement {
-        let class = Class::of(kind).expect("a type of Radiance");
         let strings = strings.iter().map(|&word| word.to_owned()).collect();
-        let (modifier, kind) = (modifier.to_owned(), kind.to_owned());
-        Statement {
-            line,
-            content: Content::Primitive(Primitive { modifier, kind, class, name, strings, reals }),
-        }
+        let primitive = Primitive::of(modifier.to_owned(), kind.to_owned(), name, strings, reals);
+        Statement { line, content: Content::Primitive(primitive.expect("a type of Radiance")) }
     }
 }
 

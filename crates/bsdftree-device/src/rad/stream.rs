@@ -122,7 +122,7 @@ impl Maker<'_> {
             read: &|name| files::read(&find(name)?, Some(self.at)),
             is_file: &|name| find(name).is_ok(),
             limit: limits.surfaces.min(limits.bytes / STATEMENT),
-            most_steps: generators::MOST_STEPS,
+            most_steps: limits.operations,
         })
     }
 

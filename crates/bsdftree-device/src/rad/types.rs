@@ -11,6 +11,8 @@ pub(crate) enum Class {
     Modifier,
     /// A mixture that this reader handles.
     Mixture,
+    /// Geometry in another file.
+    Reference,
     /// Geometry that it does not handle.
     UnsupportedSurface,
     /// A modifier that it does not handle, and which kind of modifier.
@@ -29,7 +31,8 @@ impl Class {
             "texfunc" | "texdata" | "colorfunc" | "brightfunc" | "colordata" | "brightdata" | "colorpict"
             | "spectrum" | "specfile" | "specfunc" => Class::Modifier,
             "mixfunc" | "mixdata" | "mixpict" => Class::Mixture,
-            "source" | "instance" | "mesh" => Class::UnsupportedSurface,
+            "instance" | "mesh" => Class::Reference,
+            "source" => Class::UnsupportedSurface,
             "colortext" | "brighttext" | "specdata" | "specpict" => Class::UnsupportedModifier("pattern"),
             "mixtext" => Class::UnsupportedModifier("mixture"),
             "mist" | "sBSDF" => Class::UnsupportedModifier("material"),
@@ -45,4 +48,9 @@ pub(super) fn advice(kind: &str) -> &'static str {
         "mixture" => "draw it into a picture for mixpict, or describe it by mixfunc or mixdata",
         _ => "use plastic, metal, trans, their 2-forms, glass, dielectric, interface or mirror instead",
     }
+}
+
+/// Whether a type is of geometry, so that its name is no modifier's.
+pub(crate) fn is_surface(kind: &str) -> bool {
+    matches!(Class::of(kind), Some(Class::Surface | Class::Reference | Class::UnsupportedSurface))
 }

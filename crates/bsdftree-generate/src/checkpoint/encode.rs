@@ -6,17 +6,17 @@
 use crate::counts::{Block, Shape, View};
 use crate::diffuse::Laid;
 use crate::random::N_REPLICATES;
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::tally::{Exit, Row};
 
 // A byte says which replicates have something.
 const _: () = assert!(N_REPLICATES == 8);
 
 /// Appends a block.
-pub(super) fn encode<S: Spectrum>(block: &View<'_, S>, to: &mut Vec<u8>) {
+pub(super) fn encode<S: Flux>(block: &View<'_, S>, to: &mut Vec<u8>) {
     to.extend(block.lost.to_le_bytes());
     to.extend(block.seconds.to_le_bytes());
-    for row in block.rows.iter().chain(&block.diffused).copied().flatten() {
+    for row in block.rows.iter().chain(&block.diffused).flatten().copied().flatten() {
         encode_row(row, to);
     }
     for laid in block.laid.iter().flatten() {
@@ -26,14 +26,15 @@ pub(super) fn encode<S: Spectrum>(block: &View<'_, S>, to: &mut Vec<u8>) {
 }
 
 /// The block that bytes are, or `None` if they are none of this shape.
-pub(super) fn decode<S: Spectrum>(bytes: &[u8], shape: &Shape) -> Option<Block<S>> {
+pub(super) fn decode<S: Flux>(bytes: &[u8], shape: &Shape) -> Option<Block<S>> {
     let mut from = Bytes(bytes);
     let mut block = Block::nothing();
     block.lost = u64::from_le_bytes(from.take()?);
     block.seconds = f64::from_le_bytes(from.take()?);
     for (rows, n) in [(&mut block.rows, shape.n_rows), (&mut block.diffused, shape.n_diffused)] {
-        for rows in rows {
-            *rows = (0..n).map(|_| from.row(shape.n_exitant)).collect::<Option<_>>()?;
+        for _ in 0..shape.n_bands {
+            let mut some = || (0..n).map(|_| from.row(shape.n_exitant)).collect::<Option<_>>();
+            rows.push([some()?, some()?]);
         }
     }
     if let Some(n) = shape.n_laid {
@@ -43,7 +44,7 @@ pub(super) fn decode<S: Spectrum>(bytes: &[u8], shape: &Shape) -> Option<Block<S
     from.0.is_empty().then_some(block)
 }
 
-fn encode_row<S: Spectrum>(row: &Row<S>, to: &mut Vec<u8>) {
+fn encode_row<S: Flux>(row: &Row<S>, to: &mut Vec<u8>) {
     encode_number(row.len() as u64, to);
     let mut next = 0;
     for exit in row {
@@ -101,7 +102,7 @@ impl Bytes<'_> {
         None
     }
 
-    fn row<S: Spectrum>(&mut self, n_exitant: usize) -> Option<Row<S>> {
+    fn row<S: Flux>(&mut self, n_exitant: usize) -> Option<Row<S>> {
         let n = self.number()?;
         let mut row = Row::with_capacity(n.min(self.0.len() / 14));
         let mut next = 0usize;

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::encode::{decode, encode};
 use super::error::CheckpointError;
 use crate::counts::{Block, Shape, Slot, Spent, View};
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 
 /// What may be lost when the power fails. (What was written survives the end of the process at any time.)
 const SYNC: Duration = Duration::from_secs(1);
@@ -53,7 +53,7 @@ impl RoundFile {
     }
 
     /// Tells all whole blocks, where block number k has shape k. Cuts off what comes after them; returns how much \[byte\].
-    pub fn read<S: Spectrum>(
+    pub fn read<S: Flux>(
         &mut self,
         shapes: &[Shape],
         mut tell: impl FnMut(usize, Block<S>),
@@ -77,7 +77,7 @@ impl RoundFile {
     }
 
     /// Appends a block; `bytes` is room to work in.
-    pub fn append<S: Spectrum>(
+    pub fn append<S: Flux>(
         &self,
         id: usize,
         block: &View<'_, S>,
@@ -118,7 +118,7 @@ impl RoundFile {
 }
 
 /// Writes all that was counted as one block per slot; the first has all that was spent.
-pub(super) fn write_all<S: Spectrum>(
+pub(super) fn write_all<S: Flux>(
     to: &mut impl Write,
     key: u32,
     slots: &[Slot<'_, S>],
@@ -144,7 +144,7 @@ pub(super) fn io_error(action: &'static str, path: &Path, source: io::Error) -> 
 }
 
 /// Makes `bytes` a whole block.
-fn frame<S: Spectrum>(id: usize, block: &View<'_, S>, key: u32, bytes: &mut Vec<u8>) {
+fn frame<S: Flux>(id: usize, block: &View<'_, S>, key: u32, bytes: &mut Vec<u8>) {
     bytes.clear();
     bytes.resize(HEAD, 0);
     bytes.extend((id as u32).to_le_bytes());
@@ -154,7 +154,7 @@ fn frame<S: Spectrum>(id: usize, block: &View<'_, S>, key: u32, bytes: &mut Vec<
     head[8..].copy_from_slice(&checksum(payload, key).to_le_bytes());
 }
 
-fn parsed<S: Spectrum>(bytes: &[u8], shapes: &[Shape]) -> Option<(usize, Block<S>)> {
+fn parsed<S: Flux>(bytes: &[u8], shapes: &[Shape]) -> Option<(usize, Block<S>)> {
     let (id, bytes) = bytes.split_first_chunk::<ID>()?;
     let id = u32::from_le_bytes(*id) as usize;
     Some((id, decode(bytes, shapes.get(id)?)?))

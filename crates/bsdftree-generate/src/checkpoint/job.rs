@@ -7,17 +7,27 @@ use std::collections::HashMap;
 use std::fmt::Write;
 
 use bsdftree_device::field::digest;
+use bsdftree_device::material::Antimatter;
 use bsdftree_device::{Device, Material, Shape};
 
+use crate::bands::Band;
 use crate::layout::Layout;
 use crate::options::{Aperture, Options};
-use crate::scatter::Spectrum;
 
 /// First line of the file, but for its number.
 const TITLE: &str = "bsdftree checkpoint";
 /// Number of the form of all files of a checkpoint. To be raised with any change of that, or of what is counted, within a version.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 const DEVICE: &str = "\ndevice:\n";
+
+/// What is counted in each band.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Counted {
+    /// Whether paths carry spectra.
+    pub spectral: bool,
+    /// Numbers in each band.
+    pub n_channels: usize,
+}
 
 /// What is counted.
 pub(crate) struct Job {
@@ -27,10 +37,11 @@ pub(crate) struct Job {
 
 impl Job {
     /// `n_sites`: patches of surface, if diffused light is reused.
-    pub fn new<S: Spectrum>(
+    pub fn new(
         device: &Device,
         options: &Options,
         aperture: &Aperture,
+        Counted { spectral, n_channels }: Counted,
         n_sites: Option<usize>,
     ) -> Job {
         let yes = |yes: bool| if yes { "yes" } else { "no" }.to_string();
@@ -38,7 +49,9 @@ impl Job {
             ("version", env!("CARGO_PKG_VERSION").into()),
             ("layout", layout(&options.layout)),
             ("sides", format!("{:?}", options.sides).to_lowercase()),
-            ("color", yes(S::CHANNELS > 1)),
+            ("bands", options.bands.iter().map(Band::to_string).collect::<Vec<_>>().join(", ")),
+            ("wavelengths", yes(spectral)),
+            ("color", yes(n_channels > 1)),
             ("reuse", n_sites.map_or("no".into(), |n| format!("yes, {n} patches"))),
             ("sampling", if options.stratified { "sobol" } else { "random" }.into()),
             ("tile", yes(options.tile)),
@@ -124,13 +137,17 @@ fn layout(layout: &Layout) -> String {
 
 /// The device as text. Materials that scenes name files for, and what is smooth about meshes, are told by their content, not
 /// by where it is.
-fn described(device: &Device) -> String {
-    let mut device = nameless(device);
+fn described(original: &Device) -> String {
+    let mut device = nameless(original);
     let mut more = String::new();
     for named in device.materials.iter_mut().filter(|named| !named.material.is_constant()) {
         let material = std::mem::replace(&mut named.material, Material::Void);
         // Writing to a String cannot fail.
         let _ = writeln!(more, "{} is {material:?}", named.name);
+        if let Material::Antimatter(Antimatter { skin: Some(skin), .. }) = material {
+            // It may be that of no surface.
+            let _ = writeln!(more, "{} shows {:?}", named.name, original.materials[skin as usize].material);
+        }
     }
     for (k, surface) in device.surfaces.iter().enumerate() {
         if let Shape::Mesh(mesh) = &surface.shape {

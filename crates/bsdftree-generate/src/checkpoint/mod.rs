@@ -24,10 +24,10 @@ use std::path::{Path, PathBuf};
 
 pub use error::CheckpointError;
 pub(crate) use file::RoundFile;
-pub(crate) use job::Job;
+pub(crate) use job::{Counted, Job};
 
 use crate::counts::{Slot, Spent};
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::schedule::{FIRST, is_whole};
 use directory::{locked, refuse_others, remove_unfinished, sync_names, write_whole};
 use file::{checksum, io_error};
@@ -118,7 +118,7 @@ impl Checkpoint {
     }
 
     /// Says that all of a round was counted, and everything before it: what that makes superfluous goes.
-    pub fn complete<S: Spectrum>(
+    pub fn complete<S: Flux>(
         &self,
         round: &Range<u64>,
         slots: &[Slot<'_, S>],
@@ -140,12 +140,7 @@ impl Checkpoint {
     }
 
     /// Puts all rounds up to an end in one file.
-    fn unite<S: Spectrum>(
-        &self,
-        end: u64,
-        slots: &[Slot<'_, S>],
-        spent: Spent,
-    ) -> Result<(), CheckpointError> {
+    fn unite<S: Flux>(&self, end: u64, slots: &[Slot<'_, S>], spent: Spent) -> Result<(), CheckpointError> {
         let all = 0..end;
         let name = name(&all);
         write_whole(&self.directory, &name, |file| file::write_all(file, self.key_of(&all), slots, spent))?;

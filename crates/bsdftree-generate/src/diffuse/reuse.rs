@@ -19,7 +19,7 @@ use crate::options::Options;
 use crate::path::Scene;
 use crate::random::N_REPLICATES;
 use crate::scatter::Spectrum;
-use crate::tally::Tally;
+use crate::tally::Exited;
 use crate::tile::Tile;
 
 /// Walks per full path. Few are needed: what they say is averaged over as many directions as agree.
@@ -119,14 +119,14 @@ impl Reuse {
 }
 
 impl<S: Spectrum> Walker<'_, S> {
-    /// A round of walks from an incident cell: counted in reflected and transmitted exits, laid down in halves of the replicates.
+    /// A round of walks from an incident cell: what leaves is told to `left`, what does not is laid down in halves of the replicates.
     /// Returns how many did not end.
     pub fn count_walks(
         &self,
         side: Side,
         cell: usize,
         round: &Range<u64>,
-        [reflected, transmitted]: &mut [Tally<S>; 2],
+        left: &mut impl FnMut(Exited<S>),
         deposits: &mut [Deposits<S>; 2],
     ) -> u64 {
         let n = N_REPLICATES as u64;
@@ -139,27 +139,27 @@ impl<S: Spectrum> Walker<'_, S> {
             }
             let half = &mut deposits[2 * replicate / N_REPLICATES];
             lost += self.walk_cell(side, cell, walks, replicate, half, |disk, exitant, weight| {
-                let tally =
-                    if Side::of(exitant.to_array()) == side { &mut *reflected } else { &mut *transmitted };
-                tally.add(self.layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
+                let transmitted = Side::of(exitant.to_array()) != side;
+                let cell = self.layout.exitant_cell(disk, [exitant.x, exitant.y]);
+                left(Exited { transmitted, cell, weight, replicate });
             });
         }
         lost
     }
 
-    /// The full paths of a round, counted.
+    /// The full paths of a round, told to `left`.
     pub fn count_diffused(
         &self,
         side: Side,
         cell: usize,
         round: &Range<u64>,
-        [reflected, transmitted]: &mut [Tally<S>; 2],
+        left: &mut impl FnMut(Exited<S>),
     ) -> u64 {
         self.follow_diffused(side, cell, Reuse::paths(round), |path, disk, exitant, weight| {
-            let tally =
-                if Side::of(exitant.to_array()) == side { &mut *reflected } else { &mut *transmitted };
+            let transmitted = Side::of(exitant.to_array()) != side;
             let replicate = (path % N_REPLICATES as u64) as usize;
-            tally.add(self.layout.exitant_cell(disk, [exitant.x, exitant.y]), weight, replicate);
+            let cell = self.layout.exitant_cell(disk, [exitant.x, exitant.y]);
+            left(Exited { transmitted, cell, weight, replicate });
         })
     }
 }

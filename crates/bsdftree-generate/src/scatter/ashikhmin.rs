@@ -55,7 +55,7 @@ impl<S: Spectrum> PreparedAshikhmin<S> {
             false => S::BLACK,
         };
         let diffuse = self.diffuse * color;
-        [mirrored, S::from_channels(|k| diffuse.channel(k).min(1.0 - mirrored.channel(k)).max(0.0))]
+        [mirrored, diffuse.at_most(S::WHITE + mirrored * -1.0).clamped()]
     }
 
     /// Unit vectors u and v in the surface, and the power along each.

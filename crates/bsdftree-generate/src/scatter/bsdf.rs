@@ -16,20 +16,20 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use bsdftree::bsdf::Lobe;
 use bsdftree::color::rgb_from_xyz;
-use bsdftree::{Band, Component, Direction, Rank, Scattering, Side};
+use bsdftree::{Component, Direction, Side};
 use bsdftree_device::material::Measured;
 use glam::DVec3;
 
+use super::choice::choose;
 use super::faults::Watch;
 use super::frame::{cosine_direction, renormalized, tangents};
+use super::reversed::Proposal;
 use super::shading::{Facing, Shade, Shading, ray_state};
 use super::through::Search;
 use super::{Meeting, Scatter, Spectrum};
 use crate::random::Random;
-
-/// The largest number below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A BSDF from a file, ready to scatter.
 #[derive(Clone, Debug)]
@@ -40,6 +40,8 @@ pub(super) struct PreparedBsdf<S> {
     diffuse: [S; 3],
     /// How the straight peak of light from the front, and from the back, is looked for.
     through: Option<[Option<Search>; 2]>,
+    /// What stands in for a transmission of light from the front, and from the back, that is slow to sample.
+    proposals: [Option<Proposal>; 2],
     /// Lambertian part \[1/sr\] of the reflection of the front and of the back.
     lambertian: [f64; 2],
     isotropic: bool,
@@ -54,6 +56,48 @@ struct Exit<'a> {
     side: Side,
     component: &'a Component,
     reversed: bool,
+    incident: Direction,
+    source: Source<'a>,
+}
+
+/// What directions are drawn from.
+enum Source<'a> {
+    Lobe(Lobe<'a>),
+    Proposal(&'a Proposal),
+}
+
+impl Exit<'_> {
+    /// The fraction of light that takes it, or about that.
+    fn share(&self) -> f64 {
+        match &self.source {
+            Source::Lobe(lobe) => lobe.total(),
+            Source::Proposal(proposal) => proposal.share(self.incident),
+        }
+    }
+
+    /// A direction, and the fraction of light that it stands for.
+    fn sample(&self, u: f64, v: f64) -> Option<(Direction, f64)> {
+        match &self.source {
+            Source::Lobe(lobe) => {
+                let (disk, _) = lobe.sample(u, Some(v))?;
+                Some((self.side.direction_from_disk(disk), lobe.total()))
+            }
+            Source::Proposal(proposal) => proposal.sample(&self.component.luminance, self.incident, [u, v]),
+        }
+    }
+
+    fn value(&self, exitant: Direction) -> f64 {
+        self.component.luminance.eval(self.incident, exitant, self.reversed)
+    }
+
+    /// The colour of light, of luminance 1.
+    fn tint<S: Spectrum>(&self, exitant: Direction) -> S {
+        if self.component.chroma.is_none() || S::CHANNELS == 1 {
+            return S::WHITE;
+        }
+        let xyz = self.component.eval_xyz(self.incident, exitant, self.reversed);
+        if xyz[1] > 0.0 { S::from_rgb(of_unit_luminance(xyz)) } else { S::WHITE }
+    }
 }
 
 impl Axes {
@@ -96,13 +140,28 @@ impl<S: Spectrum> PreparedBsdf<S> {
             watch,
             diffuse: material.diffuse.map(S::from_rgb),
             through: material.through.then(|| [Side::Front, Side::Back].map(search)),
+            proposals: [Side::Front, Side::Back].map(|from| {
+                let (component, reversed) = band.answering(from, from.opposite())?;
+                reversed.then(|| Proposal::new(&component.luminance)).flatten()
+            }),
             lambertian: [Side::Front, Side::Back].map(lambertian),
-            isotropic: band.components().all(|(_, component)| is_isotropic(component)),
+            isotropic: material.file.is_isotropic(),
         }
     }
 
-    fn band(&self) -> &Band {
-        self.material.file.band()
+    fn axes(&self, normal: DVec3, up: DVec3) -> Option<Axes> {
+        Axes::new(normal, up).or_else(|| self.isotropic.then(|| Axes::any(normal)))
+    }
+
+    fn exit(&self, incident: Direction, side: Side) -> Option<Exit<'_>> {
+        let from = Side::of(incident);
+        let (component, reversed) = self.material.file.band().answering(from, side)?;
+        let proposal = self.proposals[index(from)].as_ref().filter(|_| side != from);
+        let source = match proposal {
+            Some(proposal) => Source::Proposal(proposal),
+            None => Source::Lobe(component.luminance.lobe(incident, reversed)),
+        };
+        Some(Exit { side, component, reversed, incident, source })
     }
 }
 
@@ -112,46 +171,24 @@ impl<S: Spectrum> Shading<S> for PreparedBsdf<S> {
         let facing = Facing::new(meeting, shade);
         let normal = if meeting.is_front() { facing.normal } else { -facing.normal };
         let up = self.watch.checked(self.material.up.at(|| ray_state(meeting)))?;
-        let axes = match Axes::new(normal, up) {
-            Some(axes) => axes,
-            None if self.isotropic => Axes::any(normal),
-            None => return None,
-        };
+        let axes = self.axes(normal, up)?;
         let incident = axes.local(-meeting.incoming);
         let from = Side::of(incident);
-        let exits = [from, from.opposite()].map(|side| {
-            let (component, reversed) = self.band().answering(from, side)?;
-            Some(Exit { side, component, reversed })
-        });
-        let lobes = [0, 1].map(|k: usize| {
-            exits[k].as_ref().map(|exit| exit.component.luminance.lobe(incident, exit.reversed))
-        });
-        let totals = [0, 1].map(|k: usize| lobes[k].as_ref().map_or(0.0, |lobe| lobe.total()));
-        let diffuse = [self.diffuse[usize::from(from == Side::Back)], self.diffuse[2]];
-        let shares = [totals[0], totals[1], diffuse[0].luminance(), diffuse[1].luminance()];
-        let total: f64 = shares.iter().sum();
-        let mut place = random.next_open() * total;
-        // Rounding may lead past the last share, but not to one that is nothing.
-        let last = shares.iter().rposition(|&share| share > 0.0)?;
-        let way = (0..last).find(|&k| {
-            let taken = place < shares[k];
-            place -= if taken { 0.0 } else { shares[k] };
-            taken
-        });
-        let way = way.unwrap_or(last);
+        let exits = [from, from.opposite()].map(|side| self.exit(incident, side));
+        let diffuse = [self.diffuse[index(from)], self.diffuse[2]];
+        let [reflected, transmitted] = exits.each_ref().map(|exit| exit.as_ref().map_or(0.0, Exit::share));
+        let shares = [reflected, transmitted, diffuse[0].luminance(), diffuse[1].luminance()];
+        let (way, place, total) = choose(shares, random)?;
         let (exitant, weight) = if way >= 2 {
             let outward = if way == 2 { facing.normal } else { -facing.normal };
-            let weight = diffuse[way - 2] * shade.color * (total / shares[way]);
-            (cosine_direction(outward, random), weight)
+            (cosine_direction(outward, random), diffuse[way - 2] * shade.color * (total / shares[way]))
         } else {
-            let (exit, lobe) = exits[way].as_ref().zip(lobes[way].as_ref())?;
-            let inside = (place / shares[way]).min(BELOW_ONE);
-            let (disk, value) = lobe.sample(inside, Some(random.next_open()))?;
-            let exitant = exit.side.direction_from_disk(disk);
-            let weight = self.tint(exit, incident, exitant) * total;
+            let exit = exits[way].as_ref()?;
+            let (exitant, weight) = exit.sample(place, random.next_open())?;
+            let weight = exit.tint::<S>(exitant) * (weight * total / shares[way]);
             if way == 0 {
-                (axes.device(exitant), weight * self.reflected(from, value, shade))
-            } else if self.is_through(exit, incident, exitant, random) {
+                (axes.device(exitant), weight * self.pattern(exit, exitant, shade))
+            } else if self.is_through(exit, exitant, random) {
                 (meeting.incoming, weight * shade.color)
             } else {
                 (axes.device(exitant), weight * shade.color)
@@ -165,45 +202,33 @@ impl<S: Spectrum> Shading<S> for PreparedBsdf<S> {
 impl<S: Spectrum> PreparedBsdf<S> {
     /// What a pattern does to reflected light: it colours the Lambertian part of it.
     #[inline]
-    fn reflected(&self, from: Side, value: f64, shade: &Shade<S>) -> S {
-        if shade.color == S::WHITE || value <= 0.0 {
+    fn pattern(&self, exit: &Exit, exitant: Direction, shade: &Shade<S>) -> S {
+        if shade.color == S::WHITE {
             return S::WHITE;
         }
-        let lambertian = (self.lambertian[usize::from(from == Side::Back)] / value).min(1.0);
+        let value = exit.value(exitant).max(f64::MIN_POSITIVE);
+        let lambertian = (self.lambertian[index(exit.side)] / value).min(1.0);
         shade.color * lambertian + S::WHITE * (1.0 - lambertian)
     }
 
     /// Whether light transmitted to `exitant` is light of the peak, blurred.
     #[inline]
-    fn is_through(&self, exit: &Exit, incident: Direction, exitant: Direction, random: &mut Random) -> bool {
-        let Some(search) =
-            self.through.as_ref().and_then(|both| both[usize::from(exit.side == Side::Front)].as_ref())
-        else {
+    fn is_through(&self, exit: &Exit, exitant: Direction, random: &mut Random) -> bool {
+        let search = self.through.as_ref().and_then(|both| both[index(exit.side.opposite())].as_ref());
+        let Some(search) = search.filter(|search| search.reaches(exit.incident, exitant)) else {
             return false;
         };
-        if !search.reaches(incident, exitant) {
-            return false;
-        }
         let transmission = &exit.component.luminance;
-        let cell = transmission.cell(incident, exitant, exit.reversed);
+        let cell = transmission.cell(exit.incident, exitant, exit.reversed);
         let kept = search.lambertian / cell.value.max(f64::MIN_POSITIVE);
         random.next_open() >= kept
-            && search.peak(transmission, incident, exit.reversed).is_some_and(|peak| peak.holds(&cell))
-    }
-
-    /// The colour of light, of luminance 1.
-    #[inline]
-    fn tint(&self, exit: &Exit, incident: Direction, exitant: Direction) -> S {
-        if exit.component.chroma.is_none() || S::CHANNELS == 1 {
-            return S::WHITE;
-        }
-        let xyz = exit.component.eval_xyz(incident, exitant, exit.reversed);
-        if xyz[1] > 0.0 { S::from_rgb(of_unit_luminance(xyz)) } else { S::WHITE }
+            && search.peak(transmission, exit.incident, exit.reversed).is_some_and(|peak| peak.holds(&cell))
     }
 }
 
-fn is_isotropic(component: &Component) -> bool {
-    matches!(&component.luminance, Scattering::Tree(tree) if tree.rank() == Rank::Three)
+#[inline]
+fn index(side: Side) -> usize {
+    usize::from(side == Side::Back)
 }
 
 /// RGB of the colour of X, Y, Z at luminance 1, mixed with white until nothing is negative.

@@ -48,7 +48,7 @@ impl<S: Spectrum> PreparedMaterial<S> {
     /// Behind a boundary light is denser by the squared ratio of the indices (étendue). Transmission spread by roughness, as
     /// Radiance defines it, is not reciprocal.
     #[inline]
-    pub fn reversal(&self, normal: DVec3, incoming: DVec3, scatter: &Scatter<S>) -> f64 {
+    pub(crate) fn reversal(&self, normal: DVec3, incoming: DVec3, scatter: &Scatter<S>) -> f64 {
         if !scatter.transmitted {
             return 1.0;
         }

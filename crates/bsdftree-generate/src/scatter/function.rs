@@ -165,3 +165,85 @@ fn drawn(facing: &Facing, below: bool, random: &mut Random) -> Option<DVec3> {
     let exitant = cosine_direction(if below { -facing.normal } else { facing.normal }, random);
     (facing.is_above(exitant) != below).then_some(exitant)
 }
+
+#[cfg(test)]
+mod tests {
+    use bsdftree_device::{Device, Material, Unit};
+
+    use super::super::PreparedMaterial;
+    use super::super::test_support::polar;
+    use super::*;
+
+    const FUNCTIONS: &str =
+        "lobe(x,y,z,o) = .3*(1.2 + x)*(1 + .5*z)*(1.1 + .3*Dy); side(x,y,z,o) = if(z, .1, .25)*(2 - y);";
+
+    fn material(text: &str) -> Material {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("f.cal"), FUNCTIONS).unwrap();
+        let text = format!("void {text}\nm ring r 0 0 8 0 0 0 0 0 1 0 1");
+        let device = Device::parse_rad(&text, "s.rad", folder.path(), Unit::Meter).unwrap();
+        device.materials[0].material.clone()
+    }
+
+    /// Means over samples, of functions that tell directions apart, are integrals over the hemispheres; 200 × 200 midpoints, and
+    /// |z| < 5 of 12 means each.
+    #[test]
+    fn samples_are_distributed_as_the_evaluated_functions() {
+        let moments: [fn(DVec3) -> f64; 6] =
+            [|_| 1.0, |d| d.x, |d| d.y, |d| d.z, |d| d.x * d.z, |d| f64::from(u8::from(d.z > 0.0))];
+        for text in [
+            "plasfunc m 2 lobe f.cal 0 4 .5 .5 .5 .3",
+            "metfunc m 4 lobe f.cal -rz 40 0 4 .5 .5 .5 .3",
+            "transfunc m 2 side f.cal 0 6 .5 .5 .5 .3 .6 .5",
+            "BRTDfunc m 10 0 0 0 0 0 0 side side side f.cal 0 9 .1 .1 .1 .2 .2 .2 .05 .05 .05",
+        ] {
+            let device = material(text);
+            let prepared = PreparedMaterial::<f64>::new(&device);
+            let watch = Watch::new("m", &Default::default());
+            for theta in [20.0, 130.0] {
+                let meeting = Meeting::new(DVec3::Z, -polar(theta, 50.0));
+                let shade = Shade::<f64>::of(&meeting);
+                let value = |d: DVec3| match &device {
+                    Material::Function(function) => {
+                        FunctionShading { function: function.clone(), watch: watch.clone() }
+                            .evaluate(&meeting, &shade, d)
+                            .unwrap()
+                    }
+                    Material::Brtd(function) => {
+                        BrtdShading { function: function.clone(), watch: watch.clone() }
+                            .evaluate(&meeting, &shade, d)
+                            .unwrap()
+                    }
+                    other => panic!("{other:?}"),
+                };
+                let mut random = Random::new(61, theta as u64, 0);
+                let n = 40_000;
+                let samples: Vec<_> = (0..n).map(|_| prepared.scatter(&meeting, &mut random)).collect();
+                for (k, moment) in moments.iter().enumerate() {
+                    let of = |s: &Option<Scatter<f64>>| s.map_or(0.0, |s| s.weight * moment(s.direction));
+                    let mean = samples.iter().map(of).sum::<f64>() / f64::from(n);
+                    let square = samples.iter().map(|s| of(s).powi(2)).sum::<f64>() / f64::from(n);
+                    let error = ((square - mean * mean).max(0.0) / f64::from(n)).sqrt();
+                    let mut integral = 0.0;
+                    for sign in [1.0, -1.0] {
+                        for i in 0..200 {
+                            for j in 0..200 {
+                                let [u, v] = [i, j].map(|k| (f64::from(k) + 0.5) / 200.0);
+                                let d = DVec3::new(
+                                    u.sqrt() * (2.0 * PI * v).cos(),
+                                    u.sqrt() * (2.0 * PI * v).sin(),
+                                    sign * (1.0 - u).sqrt(),
+                                );
+                                integral += value(d) * moment(d) * PI / 40_000.0;
+                            }
+                        }
+                    }
+                    assert!(
+                        (mean - integral).abs() < 5.0 * error + 1e-4,
+                        "{text} {theta} {k}: {mean} ± {error}, not {integral}"
+                    );
+                }
+            }
+        }
+    }
+}

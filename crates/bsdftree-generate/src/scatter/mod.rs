@@ -22,6 +22,7 @@
 
 mod ashikhmin;
 mod bsdf;
+mod choice;
 mod dielectric;
 mod diffuse;
 mod facets;
@@ -34,7 +35,9 @@ mod gloss;
 mod meeting;
 mod modified;
 mod prism;
+mod reversed;
 mod shading;
+mod spectral;
 mod spectrum;
 #[cfg(test)]
 mod radiance_tests;
@@ -57,7 +60,8 @@ pub use faults::Faults;
 use faults::Watch;
 pub use meeting::{Local, Meeting};
 use shading::{Shade, Shading};
-pub use spectrum::Spectrum;
+pub use spectral::Spectral;
+pub use spectrum::{Flux, Spectrum, Xyz};
 
 use crate::random::Random;
 
@@ -154,10 +158,36 @@ impl<S: Spectrum> PreparedMaterial<S> {
                 Prepared::Other(Arc::new(modified::Mixture { amount, sides, watch: watch() }))
             }
             Material::Modified { modifiers, material, unit } => {
-                let (modifiers, material, unit) = (modifiers.clone(), inner(material), *unit);
-                Prepared::Other(Arc::new(modified::Modified { modifiers, material, unit, watch: watch() }))
+                let (tint, modifiers) = modified::Tint::of(modifiers);
+                let (material, unit) = (inner(material), *unit);
+                if let Some(plain) = material.tinted(tint.color).filter(|_| modifiers.is_empty()) {
+                    watch().see_albedo(plain.albedo());
+                    return plain;
+                }
+                let watch = watch();
+                Prepared::Other(Arc::new(modified::Modified { modifiers, tint, material, unit, watch }))
             }
         })
+    }
+
+    /// The same with its colours multiplied, if it stays a constant material.
+    fn tinted(&self, color: S) -> Option<Self> {
+        Some(PreparedMaterial(match &self.0 {
+            Prepared::Gloss(gloss) => Prepared::Gloss(gloss.tinted(color)),
+            Prepared::Mirror(reflectance) => Prepared::Mirror(*reflectance * color),
+            Prepared::Void => Prepared::Void,
+            Prepared::Black => Prepared::Black,
+            Prepared::Glass(_) | Prepared::Dielectric(_) | Prepared::Other(_) => return None,
+        }))
+    }
+
+    /// The light that leaves at most, of a glossy material or a mirror.
+    fn albedo(&self) -> f64 {
+        match &self.0 {
+            Prepared::Gloss(gloss) => gloss.lobes.iter().map(|lobe| lobe.luminance).sum(),
+            Prepared::Mirror(reflectance) => reflectance.luminance(),
+            _ => 0.0,
+        }
     }
 
     /// Whether it is one of the constant materials, for which [`scatter_plain`](Self::scatter_plain) is enough.
@@ -252,6 +282,37 @@ pub fn is_neutral(material: &Material) -> bool {
     }
 }
 
+/// The wavelengths \[nm\] at which spectra say what `material` is; `None` where none does, so that RGB will do.
+pub fn spectral_range_nm(material: &Material) -> Option<[f64; 2]> {
+    fn of_modifier(modifier: &Modifier) -> Option<[f64; 2]> {
+        match modifier {
+            Modifier::Spectrum(spectral) => {
+                let last = spectral.wavelengths_nm.len() - 1;
+                Some([spectral.interval_nm(0)[0], spectral.interval_nm(last)[1]])
+            }
+            Modifier::SpectralFunction(function) => Some(function.range_nm),
+            Modifier::Mixture { foreground, background, .. } => {
+                foreground.iter().chain(background).filter_map(of_modifier).reduce(common)
+            }
+            Modifier::Brightness(_) | Modifier::Color(_) | Modifier::Texture(_) => None,
+        }
+    }
+    let common_of = |a: &Material, b: &Material| {
+        [spectral_range_nm(a), spectral_range_nm(b)].into_iter().flatten().reduce(common)
+    };
+    match material {
+        Material::Modified { modifiers, material, .. } => {
+            modifiers.iter().filter_map(of_modifier).chain(spectral_range_nm(material)).reduce(common)
+        }
+        Material::Mixture { foreground, background, .. } => common_of(foreground, background),
+        _ => None,
+    }
+}
+
+fn common(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0].max(b[0]), a[1].min(b[1])]
+}
+
 /// Whether light travels through `material` the other way with the same strength.
 ///
 /// Not so: smooth surfaces whose diffuse part loses what Fresnel's law mirrors, which depends on the incident angle alone, and
@@ -265,6 +326,9 @@ pub fn is_reciprocal(material: &Material) -> bool {
         | Material::Dielectric { .. }
         | Material::Mirror { .. }
         | Material::Antimatter(_) => true,
+        Material::Modified { modifiers, material, .. } => {
+            modifiers.iter().all(|m| matches!(m, Modifier::Spectrum(_))) && is_reciprocal(material)
+        }
         _ => false,
     }
 }

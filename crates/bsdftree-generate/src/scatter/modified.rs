@@ -16,6 +16,7 @@ use super::gloss::PreparedGloss;
 use super::shading::{Facing, Shade, Shading, ray_state};
 use super::{Meeting, PreparedMaterial, Scatter, Spectrum};
 use crate::random::Random;
+use crate::scatter;
 
 /// Radiance leaves out a side of a mixture that has less than this.
 const LEAST_AMOUNT: f64 = 1e-6;
@@ -23,7 +24,10 @@ const LEAST_AMOUNT: f64 = 1e-6;
 /// A material and what is before it.
 #[derive(Clone, Debug)]
 pub(super) struct Modified<S> {
+    /// All that vary.
     pub modifiers: Arc<[Modifier]>,
+    /// What the others do together.
+    pub tint: Tint<S>,
     pub material: PreparedMaterial<S>,
     /// The scene's unit \[m\].
     pub unit: f64,
@@ -32,7 +36,8 @@ pub(super) struct Modified<S> {
 
 impl<S: Spectrum> Modified<S> {
     fn shade(&self, meeting: &Meeting, shade: &Shade<S>) -> Option<Shade<S>> {
-        let mut shade = Shade { unit: self.unit, ..*shade };
+        let (color, rgb) = (shade.color * self.tint.color, shade.rgb * self.tint.rgb);
+        let mut shade = Shade { unit: self.unit, color, rgb, ..*shade };
         self.watch.checked(apply(&self.modifiers, &ray_state(meeting), &mut shade))?;
         Some(shade.clamped())
     }
@@ -51,6 +56,32 @@ impl<S: Spectrum> Shading<S> for Modified<S> {
         self.material.medium_shaded(meeting, shade, front)?;
         let shade = self.shade(meeting, shade)?;
         self.material.medium_shaded(meeting, &shade, front)
+    }
+}
+
+/// What patterns do that are the same everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Tint<S> {
+    pub color: S,
+    pub rgb: DVec3,
+}
+
+impl<S: Spectrum> Tint<S> {
+    /// That of all modifiers that are the same everywhere, and the others.
+    pub fn of(modifiers: &Arc<[Modifier]>) -> (Tint<S>, Arc<[Modifier]>) {
+        let mut tint = Tint { color: S::WHITE, rgb: DVec3::ONE };
+        let is_constant = |modifier: &Modifier| matches!(modifier, Modifier::Spectrum(_));
+        if !modifiers.iter().any(is_constant) {
+            return (tint, modifiers.clone());
+        }
+        for modifier in modifiers.iter() {
+            if let Modifier::Spectrum(spectral) = modifier {
+                let spectral = of_spectral(spectral);
+                tint.color = tint.color * S::from_spectral(spectral).clamped();
+                tint.rgb *= DVec3::from_spectral(spectral);
+            }
+        }
+        (tint, modifiers.iter().filter(|modifier| !is_constant(modifier)).cloned().collect())
     }
 }
 
@@ -74,10 +105,13 @@ pub(super) fn apply<S: Spectrum>(
                 let rgb = DVec3::from_array(field.at(ray)?);
                 tint(shade, S::from_rgb(rgb), rgb);
             }
-            Modifier::Spectrum(spectral) => tint(shade, of_spectral(spectral), spectral.rgb().into()),
+            Modifier::Spectrum(spectral) => {
+                let spectral = of_spectral(spectral);
+                tint(shade, S::from_spectral(spectral), DVec3::from_spectral(spectral));
+            }
             Modifier::SpectralFunction(function) => {
-                let spectral = function.at(ray)?;
-                tint(shade, of_spectral(&spectral), spectral.rgb().into());
+                let spectral = of_spectral(&function.at(ray)?);
+                tint(shade, S::from_spectral(spectral), DVec3::from_spectral(spectral));
             }
             Modifier::Texture(field) => shade.perturbation += field.vector(ray)?,
             Modifier::Mixture { amount, foreground, background } => {
@@ -99,9 +133,8 @@ pub(super) fn apply<S: Spectrum>(
     Ok(())
 }
 
-/// What a path carries of a spectrum.
-fn of_spectral<S: Spectrum>(spectral: &Spectral) -> S {
-    S::from_rgb(spectral.rgb().into())
+fn of_spectral(spectral: &Spectral) -> scatter::Spectral {
+    scatter::Spectral::from_samples(&spectral.wavelengths_nm, &spectral.values)
 }
 
 /// One material or another.

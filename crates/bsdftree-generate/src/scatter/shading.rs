@@ -51,8 +51,7 @@ impl<S: Spectrum> Shade<S> {
 
     /// Without negative colours, which no light has.
     pub fn clamped(self) -> Shade<S> {
-        let color = S::from_channels(|k| self.color.channel(k).max(0.0));
-        Shade { color, rgb: self.rgb.max(DVec3::ZERO), ..self }
+        Shade { color: self.color.clamped(), rgb: self.rgb.max(DVec3::ZERO), ..self }
     }
 }
 

@@ -16,6 +16,7 @@ use bsdftree_device::field::{Field, RayState};
 use bsdftree_device::material::{Modifier, Wgmd};
 use glam::DVec3;
 
+use super::choice::choose;
 use super::facets::Facets;
 use super::faults::Watch;
 use super::frame::cosine_direction;
@@ -127,13 +128,7 @@ impl<S: Spectrum> Shading<S> for PreparedWgmd<S> {
         let shares = lobes.map(|lobe| lobe.color.luminance());
         let total: f64 = shares.iter().sum();
         self.watch.see_albedo(total);
-        let last = shares.iter().rposition(|&share| share > 0.0)?;
-        let mut place = random.next_open() * total;
-        let mut chosen = 0;
-        while chosen < last && place >= shares[chosen] {
-            place -= shares[chosen];
-            chosen += 1;
-        }
+        let (chosen, _, _) = choose(shares, random)?;
         let Lobe { color, facing, roughness } = lobes[chosen];
         let weight = color * (total / shares[chosen]);
         let incoming = meeting.incoming;

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use crate::checkpoint::encode::{decode, encode};
 use crate::counts::{Block, Shape};
 use crate::diffuse::Laid;
-use crate::scatter::Spectrum;
+use crate::scatter::Flux;
 use crate::tally::{Exit, Row};
 
 const N_EXITANT: usize = 300;
@@ -17,7 +17,7 @@ fn some() -> impl Strategy<Value = f32> {
     prop_oneof![3 => Just(0.0), 1 => Just(-0.0), 3 => any::<f32>().prop_filter("a number", |x| !x.is_nan())]
 }
 
-fn row<S: Spectrum + std::fmt::Debug>() -> impl Strategy<Value = Row<S>> {
+fn row<S: Flux + std::fmt::Debug>() -> impl Strategy<Value = Row<S>> {
     let exit = (some(), [some(), some(), some()], prop::array::uniform8(some()));
     prop::collection::btree_map(0..N_EXITANT as u32, exit, 0..20).prop_map(|exits| {
         let exit = |(cell, (squares, sum, replicates)): (u32, (f32, [f32; 3], [f32; 8]))| Exit {
@@ -35,16 +35,23 @@ fn laid() -> impl Strategy<Value = Laid> {
     (numbers(), numbers()).prop_map(|(sent, arrived)| Laid { sent, arrived })
 }
 
-fn block<S: Spectrum + std::fmt::Debug>() -> impl Strategy<Value = Block<S>> {
+fn block<S: Flux + std::fmt::Debug>() -> impl Strategy<Value = Block<S>> {
     let rows = |n| [prop::collection::vec(row::<S>(), n), prop::collection::vec(row::<S>(), n)];
     (rows(2), rows(1), [laid(), laid()], any::<u64>(), 0.0..1e9).prop_map(
-        |(rows, diffused, laid, lost, seconds)| Block { rows, diffused, laid: Some(laid), lost, seconds },
+        |(rows, diffused, laid, lost, seconds)| Block {
+            rows: vec![rows.clone(), rows],
+            diffused: vec![diffused.clone(), diffused],
+            laid: Some(laid),
+            lost,
+            seconds,
+        },
     )
 }
 
-const SHAPE: Shape = Shape { n_rows: 2, n_diffused: 1, n_laid: Some(N_LAID), n_exitant: N_EXITANT };
+const SHAPE: Shape =
+    Shape { n_bands: 2, n_rows: 2, n_diffused: 1, n_laid: Some(N_LAID), n_exitant: N_EXITANT };
 
-fn comes_back<S: Spectrum + std::fmt::Debug>(block: &Block<S>) -> Result<(), TestCaseError> {
+fn comes_back<S: Flux + std::fmt::Debug>(block: &Block<S>) -> Result<(), TestCaseError> {
     let mut bytes = Vec::new();
     encode(&block.view(), &mut bytes);
     let again = decode::<S>(&bytes, &SHAPE).expect("bytes of a block");
@@ -66,7 +73,7 @@ proptest! {
     #[test]
     fn any_bytes_are_a_block_or_none(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         if let Some(block) = decode::<f64>(&bytes, &SHAPE) {
-            prop_assert_eq!(block.rows[0].len(), 2);
+            prop_assert_eq!(block.rows[1][0].len(), 2);
         }
     }
 }
@@ -74,12 +81,12 @@ proptest! {
 #[test]
 fn cells_beyond_the_layout_are_no_block() {
     let block = Block {
-        rows: [vec![vec![Exit { squares: 1.0, sum: 1.0, ..Exit::none(7) }]], vec![Row::new()]],
+        rows: vec![[vec![vec![Exit { squares: 1.0, sum: 1.0, ..Exit::none(7) }]], vec![Row::new()]]],
         ..Block::<f64>::nothing()
     };
     let mut bytes = Vec::new();
     encode(&block.view(), &mut bytes);
-    let shape = |n_exitant| Shape { n_rows: 1, n_diffused: 0, n_laid: None, n_exitant };
+    let shape = |n_exitant| Shape { n_bands: 1, n_rows: 1, n_diffused: 0, n_laid: None, n_exitant };
     assert!(decode::<f64>(&bytes, &shape(8)).is_some());
     assert!(decode::<f64>(&bytes, &shape(7)).is_none());
 }

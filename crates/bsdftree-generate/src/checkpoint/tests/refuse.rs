@@ -98,7 +98,7 @@ fn another_version_or_format_is_refused() {
     let version = env!("CARGO_PKG_VERSION");
     for (from, to, expected) in [
         (format!("version: {version}"), "version: 0.0.7".into(), "here, but 0.0.7 there"),
-        ("checkpoint 1".into(), String::from("checkpoint 2"), "format 1 here, but 2 there"),
+        ("checkpoint 2".into(), String::from("checkpoint 3"), "format 2 here, but 3 there"),
         ("bsdftree".into(), "another".into(), "is no checkpoint"),
         ("device:".into(), "dev".into(), "is no checkpoint"),
     ] {
