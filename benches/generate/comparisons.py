@@ -84,6 +84,8 @@ def _against_genbsdf(all_measured: Sequence[Measured]) -> None:
     )
     for m in all_measured:
         theirs = m.incumbent
+        if theirs is None:
+            continue
         for name, points in m.ours.items():
             cells: list[object] = []
             for metric in METRICS:
@@ -122,16 +124,9 @@ def _worst_directions(all_measured: Sequence[Measured]) -> None:
         *("device", "what", ">paths", ">worst direction", ">L1", ">leaves", ">XML MB"),
     )
     for m in all_measured:
-        theirs = m.incumbent
-        row(
-            m.plan.name,
-            "genBSDF",
-            theirs.samples,
-            theirs.errors.worst,
-            theirs.errors.l1,
-            theirs.leaves,
-            megabytes(theirs.bytes),
-        )
+        if (theirs := m.incumbent) is not None:
+            seen = (theirs.samples, theirs.errors.worst, theirs.errors.l1, theirs.leaves, megabytes(theirs.bytes))
+            row(m.plan.name, "genBSDF", *seen)
         for name, points in m.ours.items():
             for p in (points[len(points) // 2], points[-1]):
                 row(m.plan.name, name, p.samples, p.errors.worst, p.errors.l1, p.leaves, megabytes(p.bytes))

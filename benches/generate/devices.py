@@ -1,13 +1,15 @@
 """The devices that are measured, as Radiance scene files, so that every program reads the same text.
 
 All repeat along Y, extend along X, and are their own mirror images in the plane x = 0 (references make use of it).
-They are finite: what leaves by an edge is lost or gained by genBSDF and by us alike.
+They are finite: what leaves by an edge is lost or gained by genBSDF and by us alike. Those that repeat for ever are
+not for genBSDF, which has no such thing.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from bsdftree import Device
 
@@ -22,6 +24,13 @@ class Scene:
 
     name: str
     text: str
+    period: tuple[float, ...] = ()
+    """The box that repeats for ever, as `dim` has it; none if the device is alone."""
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What `generate()` has to be told of it."""
+        return {"tile": True, "dim": self.period} if self.period else {}
 
     def write(self, folder: Path) -> Path:
         path = folder / f"{self.name.replace(' ', '-')}.rad"
@@ -40,12 +49,24 @@ def scene(name: str, spec: str, *changed: tuple[tuple[str, str], tuple[str, str]
     return Scene(name, text)
 
 
+def periodic(scene: Scene, spec: str) -> Scene:
+    """The same for ever, with the period of the parametric device that it is made from."""
+    tile = Device.from_spec(spec).tile
+    if tile is None:
+        raise ValueError(f"{spec} does not repeat")
+    low, high = tile
+    period = tuple(float(x) for pair in zip(low, high, strict=True) for x in pair)
+    return replace(scene, name=f"endless {scene.name}", period=period)
+
+
 SAWTOOTH = scene("sawtooth", "sawtooth")
 GLOSSY = scene("glossy sawtooth", "sawtooth", (SAWTOOTH_MIRROR, ("void metal mirror", "5 0.8 0.8 0.8 1.0 0.1")))
 V_GROOVE = scene("diffuse V-groove", "sawtooth", (SAWTOOTH_MIRROR, ("void plastic mirror", "5 0.5 0.5 0.5 0.0 0.0")))
 DIFFUSE_BLINDS = scene("blinds", BLINDS)
 GLAZED_BLINDS = scene("blinds and glazing", f"{BLINDS},glazing=0.8")
 METAL_BLINDS = scene("metal blinds", BLINDS, (SLAT, ("void metal slat", "5 0.8 0.8 0.8 0.9 0.0")))
+
+ENDLESS = (periodic(SAWTOOTH, "sawtooth"), periodic(GLOSSY, "sawtooth"), periodic(DIFFUSE_BLINDS, BLINDS))
 
 EQUAL_ERROR = (SAWTOOTH, GLOSSY, V_GROOVE, DIFFUSE_BLINDS, GLAZED_BLINDS)
 RESOLUTION = (SAWTOOTH, METAL_BLINDS)

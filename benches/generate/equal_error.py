@@ -15,7 +15,7 @@ from typing import Any
 import bsdftree
 
 from . import incumbent, ours
-from .devices import EQUAL_ERROR, SAWTOOTH, Scene
+from .devices import ENDLESS, EQUAL_ERROR, SAWTOOTH, Scene
 from .errors import Errors, grids, n_leaves, total
 from .references import Reference, reference
 
@@ -30,7 +30,7 @@ PATIENCE = 20.0
 
 @dataclass(frozen=True)
 class Plan:
-    """One device at one resolution, and how much is spent on it."""
+    """One device at one resolution, and how much is spent on it; on genBSDF nothing, if the device has no end."""
 
     scene: Scene
     log2_res: int
@@ -63,7 +63,11 @@ def plans(quick: bool) -> list[Plan]:
         series = (4, 16, 64, 256, 1024)
         return [Plan(scene, 4, REFERENCE[4], 20, series, (500,)) for scene in EQUAL_ERROR]
     fine = Plan(SAWTOOTH, 6, REFERENCE[6], 20, _powers(4, 2048), (1000,))
-    return [fine, *(Plan(scene, 5, REFERENCE[5], 80, _powers(4, 8192), (1000, 10_000)) for scene in EQUAL_ERROR)]
+    at_5 = [
+        Plan(scene, 5, REFERENCE[5], 0 if scene.period else 80, _powers(4, 8192), (1000, 10_000))
+        for scene in (*EQUAL_ERROR, *ENDLESS)
+    ]
+    return [fine, *at_5]
 
 
 def _powers(least: int, most: int) -> tuple[int, ...]:
@@ -77,6 +81,7 @@ def series(device: Path, plan: Plan, truth: Reference, work: Path, options: dict
 
 def point(device: Path, plan: Plan, truth: Reference, work: Path, **options: Any) -> Point:
     """One generation and its errors."""
+    options |= plan.scene.options
     made = ours.make(device, work / "ours.xml", log2_res=plan.log2_res, seed=1, **options)
     seen = truth.errors(grids(made.bsdf, plan.log2_res))
     leaves = n_leaves(made.bsdf)
@@ -99,7 +104,7 @@ class Culled:
 class Measured:
     plan: Plan
     truth: Reference
-    incumbent: Point
+    incumbent: Point | None
     culled: list[Culled]
     ours: dict[str, list[Point]]
     tolerated: dict[float, Point]
@@ -111,7 +116,8 @@ def measure(plan: Plan, cache: Path, work: Path) -> Measured:
     truth = reference(plan.scene, plan.log2_res, plan.reference, cache)
     device = plan.scene.write(work)
     variants = {name: series(device, plan, truth, work, options) for name, options in ours.available().items()}
-    theirs, culled = _genbsdf(device, plan, truth, work), _culled(device, plan, truth, work)
+    theirs = _genbsdf(device, plan, truth, work) if plan.genbsdf else None
+    culled = _culled(device, plan, truth, work)
     return Measured(plan, truth, theirs, culled, variants, _tolerated(device, plan, truth, work))
 
 
@@ -142,8 +148,9 @@ def _culled(device: Path, plan: Plan, truth: Reference, work: Path) -> list[Cull
     """Our paths, reduced by rttree_reduce at its best percentage for each metric."""
     found = []
     for samples in plan.reduced:
+        options = baseline() | plan.scene.options
         raw = bsdftree.generate(
-            device, rank=4, log2_res=plan.log2_res, sides="front", samples=samples, seed=2, prune=False, **baseline()
+            device, rank=4, log2_res=plan.log2_res, sides="front", samples=samples, seed=2, prune=False, **options
         )
         values = grids(raw, plan.log2_res)
         unreduced, inputs = truth.errors(values), incumbent.write_values(values, work)

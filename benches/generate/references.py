@@ -57,10 +57,11 @@ def reference(scene: Scene, log2_res: int, samples: int, folder: Path) -> Refere
     """Reference of a device; from the folder, if it has been made before."""
     options = {"reuse": True} if ours.accepts("reuse") else {}
     # What `generate()` is asked, not how it does it: the truth does not change with versions.
-    name = hashlib.sha256(repr((scene.text, log2_res, samples, sorted(options.items()))).encode()).hexdigest()[:16]
+    asked = (scene.text, log2_res, samples, sorted(options.items()), *scene.period)
+    name = hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
     path = folder / f"{scene.name.replace(' ', '-')}-{log2_res}-{name}.npz"
     if not path.exists():
-        _make(scene, log2_res, samples, path, ours.known(ours.SOBOL | options))
+        _make(scene, log2_res, samples, path, ours.known(ours.SOBOL | options) | scene.options)
     with np.load(path) as stored:
         floor = Errors(*map(float, stored["floor"]))
         values = {key: stored[key] for key in stored.files if key not in ("floor", "to_plain")}

@@ -162,7 +162,8 @@ unsafe fn tell(text: &str, message: *mut c_char, size: usize) {
     if message.is_null() || size == 0 {
         return;
     }
-    let length = text.floor_char_boundary(size - 1);
+    let most = text.len().min(size - 1);
+    let length = (0..=most).rev().find(|&end| text.is_char_boundary(end)).unwrap_or(0);
     // SAFETY: there is room for `length` bytes and the zero.
     unsafe {
         std::ptr::copy_nonoverlapping(text.as_ptr().cast(), message, length);
