@@ -40,6 +40,18 @@ pub struct Device {
 }
 
 impl Device {
+    /// The same device in another band of light, as far as BSDF files say what it is there; `None` if none of them does.
+    pub fn of_band(&self, name: &str) -> Option<Device> {
+        let others: Vec<_> = self.materials.iter().map(|named| named.material.of_band(name)).collect();
+        others.iter().any(Option::is_some).then(|| {
+            let mut device = self.clone();
+            for (named, other) in device.materials.iter_mut().zip(others) {
+                named.material = other.unwrap_or_else(|| named.material.clone());
+            }
+            device
+        })
+    }
+
     /// Corners of the bounding box of all surfaces \[m\], or `None` for an empty device.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
         self.surfaces.iter().map(|s| s.shape.bounds()).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])

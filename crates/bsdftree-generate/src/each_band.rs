@@ -1,8 +1,10 @@
 //! Bands whose materials are given apart.
 //!
 //! In: a device, and for some bands the same device with the materials that it has there. Out: one BSDF with all bands. Each such band is a
-//! generation of its own, with the same random numbers: what is the same in two bands comes out the same.
+//! generation of its own, with the same random numbers: what is the same in two bands comes out the same. So has a band that a BSDF file
+//! of the device has values for; its other materials are there what they are else.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use bsdftree_device::Device;
@@ -32,13 +34,26 @@ pub fn generate_bands(
             return Err(GenerateError::Option(format!("two devices for the band {}; give one", band.name())));
         }
     }
-    let shared = options.bands.iter().filter(|band| !own.iter().any(|(other, _)| is_same(other, band)));
-    let shared = Options { bands: shared.cloned().collect(), ..options.clone() };
+    let of_band = |band: &Band, device: &Device| device.of_band(band.name());
+    let mut own: Vec<(Band, Cow<Device>)> = own
+        .iter()
+        .map(|(band, device)| (band.clone(), of_band(band, device).map_or(Cow::Borrowed(device), Cow::Owned)))
+        .collect();
+    let mut shared = Options { bands: Vec::new(), ..options.clone() };
+    for band in &options.bands {
+        if own.iter().any(|(other, _)| is_same(other, band)) {
+            continue;
+        }
+        match of_band(band, device).filter(|_| !band.is_visible()) {
+            Some(device) => own.push((band.clone(), Cow::Owned(device))),
+            None => shared.bands.push(band.clone()),
+        }
+    }
     let mut runs: Vec<(&Device, Options)> = Vec::new();
     if !shared.bands.is_empty() {
         runs.push((device, shared));
     }
-    runs.extend(own.iter().map(|(band, device)| (device, of_own(band, options))));
+    runs.extend(own.iter().map(|(band, device)| (&**device, of_own(band, options))));
     let n_runs = runs.len() as u32;
     let mut all: Option<Generated> = None;
     for (k, (device, mut options)) in (0..).zip(runs) {

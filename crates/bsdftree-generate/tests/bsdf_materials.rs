@@ -15,7 +15,7 @@ use bsdftree_device::material::{BsdfFile, Measured, Orientation};
 use bsdftree_device::{Device, Material, NamedMaterial, Shape, Surface, Unit};
 use bsdftree_generate::path::{Outcome, Scene};
 use bsdftree_generate::random::Random;
-use bsdftree_generate::{Layout, Options, Progress, generate};
+use bsdftree_generate::{Layout, Options, Progress, generate, generate_bands};
 use glam::DVec3;
 
 /// Real files that say something of the visible band.
@@ -474,4 +474,33 @@ fn a_fabric_behind_glass_is_as_in_radiance() {
             );
         }
     }
+}
+
+#[test]
+fn bands_of_a_file_are_those_of_the_device() {
+    let Some(file) = read("mermet/E_Screen_3pct_White.xml") else { return };
+    let device = pane(Material::Measured(Arc::new(measured(&file, false))));
+    let bands = ["Visible", "Solar", "NIR"].map(|name| name.parse().unwrap()).to_vec();
+    let options = Options { samples: 1024, bands, ..Options::new(Layout::Klems(Arc::new(Basis::quarter()))) };
+    let made = generate_bands(&device, &[], &options, &Progress::default()).unwrap();
+    let incident = radiance::polar(35.0, 10.0).to_array();
+    let totals = |bsdf: &bsdftree::Bsdf, name: &str| {
+        let band = bsdf.band(name).unwrap_or_else(|| panic!("no {name}"));
+        [Lobes::Reflection, Lobes::Transmission].map(|lobes| band.hemispherical(incident, lobes))
+    };
+    // What the file does not know is as it is where it is seen.
+    for (name, as_in) in [("Visible", "Visible"), ("Solar", "Solar"), ("NIR", "Visible")] {
+        let (ours, theirs) = (totals(&made.bsdf, name), totals(file.bsdf(), as_in));
+        for k in 0..2 {
+            // Patches of the generation hold several of the file.
+            assert!((ours[k] - theirs[k]).abs() < 0.02, "{name}: {ours:?} {theirs:?}");
+        }
+    }
+    let [visible, solar] = ["Visible", "Solar"].map(|name| totals(file.bsdf(), name)[0]);
+    assert!((visible - solar).abs() > 0.03, "{visible} {solar}");
+    assert!(
+        made.report.warnings.iter().any(|w| w.contains("no spectrum says")),
+        "{:?}",
+        made.report.warnings
+    );
 }

@@ -36,7 +36,7 @@ pub struct Measured {
     pub through: bool,
 }
 
-/// A BSDF file that has been read. Equal if the bytes of the files are.
+/// A BSDF file that has been read, and one of its bands. Equal if the bytes of the files are, and the bands.
 #[derive(Clone)]
 pub struct BsdfFile {
     /// Where it was found, and a digest of its bytes.
@@ -82,6 +82,12 @@ impl BsdfFile {
         &self.bsdf.bands[self.band]
     }
 
+    /// The same file with another of its bands, by its name in any case; `None` if it has no such band.
+    pub fn of_band(&self, name: &str) -> Option<BsdfFile> {
+        let band = self.bsdf.bands.iter().position(|band| band.name.eq_ignore_ascii_case(name))?;
+        Some(BsdfFile { band, ..self.clone() })
+    }
+
     /// Whether it is the same for all azimuths, so that it needs no up direction.
     pub fn is_isotropic(&self) -> bool {
         let is_rank3 = |s: &Scattering| matches!(s, Scattering::Tree(tree) if tree.rank() == Rank::Three);
@@ -96,13 +102,13 @@ impl BsdfFile {
 
 impl PartialEq for BsdfFile {
     fn eq(&self, other: &Self) -> bool {
-        self.file.digest == other.file.digest
+        (self.file.digest, self.band) == (other.file.digest, other.band)
     }
 }
 
 impl fmt::Debug for BsdfFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.file.fmt(f)
+        write!(f, "{:?} band {}", self.file, self.band)
     }
 }
 

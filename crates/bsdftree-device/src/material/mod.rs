@@ -113,6 +113,32 @@ impl Material {
         )
     }
 
+    /// The same in another band of light, as far as files say what it is there; `None` if they do not.
+    pub fn of_band(&self, name: &str) -> Option<Material> {
+        match self {
+            Material::Measured(measured) => {
+                let file = measured.file.of_band(name)?;
+                Some(Material::Measured(Arc::new(Measured { file, ..Measured::clone(measured) })))
+            }
+            Material::Modified { modifiers, material, unit } => {
+                let material = Box::new(material.of_band(name)?);
+                Some(Material::Modified { modifiers: modifiers.clone(), material, unit: *unit })
+            }
+            Material::Mixture { amount, foreground, background } => {
+                let sides = [foreground, background].map(|side| side.of_band(name));
+                sides.iter().any(Option::is_some).then(|| {
+                    let [a, b] = sides;
+                    Material::Mixture {
+                        amount: amount.clone(),
+                        foreground: a.map_or_else(|| foreground.clone(), Box::new),
+                        background: b.map_or_else(|| background.clone(), Box::new),
+                    }
+                })
+            }
+            _ => None,
+        }
+    }
+
     /// The same in a device that is turned by a rotation.
     pub fn turned(&self, turn: &dyn Fn(DVec3) -> DVec3) -> Material {
         let boxed = |material: &Material| Box::new(material.turned(turn));
