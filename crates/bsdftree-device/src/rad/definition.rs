@@ -7,6 +7,7 @@
 //! A surface's modifier, that one's modifier, and so on, are a chain. Its first material is what the surface is made of; all
 //! patterns and textures of the chain act on it, before it and behind it. A mixture of which a side has a material
 //! is one itself, and may have no modifier; a side without material is not there. A chain without material is not there.
+//! Deviation: a pattern by an alias that inherits acts once; Radiance lets it act twice.
 
 use std::cell::Cell;
 use std::collections::HashMap;
