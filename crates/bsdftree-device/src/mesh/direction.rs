@@ -1,23 +1,19 @@
 //! A direction in 32 bits, as Radiance's compiled meshes have their normals.
 //!
-//! Source: normals written by `obj2mesh` (2025), taken apart. From the lowest bit: signs of x, y and z; whether the first field
-//! is |x|, not |y|; whether the second is |z|, not the other one of |x| and |y|; two fields of 13 bits, cut off to
-//! units of 1/11585.2 (8192 √2). What is in no field is the largest component, as long as unit length leaves.
+//! Source: normals written by `obj2mesh` and read by `rtrace` (2025), compared. From the lowest bit: signs of x, y and z; whether the first field
+//! is |x|, not |y|; whether the second is |z|, not the other one of |x| and |y|; two fields of 13 bits, rounded to
+//! units of 1/11584.5. What is in no field is the largest component, as long as unit length leaves.
 
 use glam::{DVec3, Vec3};
 
-const UNIT: f64 = 1.0 / 11585.2;
+const UNIT: f64 = 1.0 / 11584.5;
 
 /// The direction, of unit length; zero for 0, which is none.
 pub(super) fn decoded(code: u32) -> Vec3 {
     if code == 0 {
         return Vec3::ZERO;
     }
-    // In the middle of what was cut off to the same number, but along an axis if it was along one.
-    let field = |shift: u32| match code >> shift & 0x1fff {
-        0 => 0.0,
-        n => (f64::from(n) + 0.5) * UNIT,
-    };
+    let field = |shift: u32| f64::from(code >> shift & 0x1fff) * UNIT;
     let first = if code & 8 != 0 { 0 } else { 1 };
     let second = if code & 16 != 0 { 2 } else { 1 - first };
     let mut direction = DVec3::ZERO;
@@ -50,5 +46,6 @@ mod tests {
         }
         assert_eq!(decoded(0b01100), Vec3::NEG_Z);
         assert_eq!(decoded(0b11010), Vec3::NEG_Y);
+        assert_eq!(decoded(0), Vec3::ZERO);
     }
 }
