@@ -108,9 +108,11 @@ class Run:
 def bounds(scene: SceneText) -> tuple[float, ...]:
     """Smallest and largest x, y, z of a scene, as genBSDF asks for them."""
     numbers = run("getbbox", "-h", "-w", stdin=scene.text, directories=scene.directories).split()
-    if len(numbers) != 6 or len(set(numbers)) == 1:
+    box = tuple(map(float, numbers))
+    # Of nothing, the box is inside out.
+    if len(box) != 6 or box[0] > box[1]:
         raise RadianceError("the scene has no surfaces")
-    return tuple(map(float, numbers))
+    return box
 
 
 def compiled(scene: SceneText, folder: Path) -> Path:
