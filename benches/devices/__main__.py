@@ -15,7 +15,7 @@ from .real import real
 from .run import Measured, measure
 from .scenes import own
 
-SAMPLES = 32768
+SAMPLES = 16384
 REPORT = Path("docs/devices.md")
 PICTURE = Path("img/devices.png")
 """From the report."""

@@ -37,10 +37,7 @@ pub(crate) fn uncertainty<S: Flux>(reducer: &Reducer<'_, S>, kept: &Kept) -> Unc
 }
 
 /// Standard error of the mean weight of n paths that exits counted.
-pub(crate) fn standard_error<'a, S: Flux + 'a>(
-    exits: impl IntoIterator<Item = &'a Exit<S>>,
-    n: f64,
-) -> f64 {
+pub(crate) fn standard_error<'a, S: Flux + 'a>(exits: impl IntoIterator<Item = &'a Exit<S>>, n: f64) -> f64 {
     let mut sums = [0.0; N_REPLICATES];
     for exit in exits {
         for (sum, part) in sums.iter_mut().zip(exit.replicates) {

@@ -21,12 +21,7 @@ const FITS: u32 = 12;
 
 /// The mean of a component and of another travelled the other way (of itself, for reflections, where it is symmetric) with the
 /// totals of both.
-pub fn averaged<S: Flux>(
-    layout: &Layout,
-    rows: &[Row<S>],
-    other: Option<&[Row<S>]>,
-    n: f64,
-) -> Vec<Row<S>> {
+pub fn averaged<S: Flux>(layout: &Layout, rows: &[Row<S>], other: Option<&[Row<S>]>, n: f64) -> Vec<Row<S>> {
     let turned = transposed(layout, other.unwrap_or(rows));
     let mut mean: Vec<_> = rows.par_iter().zip(&turned).map(|(a, b)| merged(a, b, n)).collect();
     fit(layout, &mut mean, &totals(rows), other.map(totals).as_deref());

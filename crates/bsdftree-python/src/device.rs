@@ -43,7 +43,9 @@ impl TryFrom<Reading> for ReadOptions {
 }
 
 fn unknown(kind: &str) -> PyErr {
-    value_error(format!("files of the kind {kind:?} are not read; expected \"scene\", \"rad\", \"mgf\" or \"xml\""))
+    value_error(format!(
+        "files of the kind {kind:?} are not read; expected \"scene\", \"rad\", \"mgf\" or \"xml\""
+    ))
 }
 
 /// The device inside the one BSDF file.

@@ -116,15 +116,15 @@ pub(super) struct Setting<'a> {
     pub unit: f64,
 }
 
-/// Definitions that are not in force for the time being.
-pub(super) struct Aside(HashMap<String, Rc<Definition>>);
-
 /// All definitions in force.
 #[derive(Default)]
 pub(super) struct Definitions {
     latest: HashMap<String, Rc<Definition>>,
     library: Library,
 }
+
+/// Definitions that are not in force for the time being.
+pub(super) struct Aside(HashMap<String, Rc<Definition>>);
 
 impl Definitions {
     /// The definition that a modifier names now; `None` for `void`.
@@ -133,16 +133,6 @@ impl Definitions {
             "void" => Ok(None),
             _ => self.find_named("modifier", modifier, at).map(Some),
         }
-    }
-
-    fn find_named(&self, kind: &'static str, name: &str, at: &Place) -> Result<Rc<Definition>, DeviceError> {
-        let found = self.latest.get(name).cloned();
-        found.ok_or_else(|| DeviceError::Undefined { at: at.clone(), kind, name: name.to_owned() })
-    }
-
-    /// What a name stands for now.
-    pub(super) fn latest(&self, name: &str) -> Option<&Definition> {
-        self.latest.get(name).map(Rc::as_ref)
     }
 
     /// Whether [`Definitions::find`] finds something.
@@ -159,6 +149,16 @@ impl Definitions {
     /// Forgets what was defined since, and goes on with what was put aside.
     pub(super) fn restore(&mut self, aside: Aside) {
         self.latest = aside.0;
+    }
+
+    fn find_named(&self, kind: &'static str, name: &str, at: &Place) -> Result<Rc<Definition>, DeviceError> {
+        let found = self.latest.get(name).cloned();
+        found.ok_or_else(|| DeviceError::Undefined { at: at.clone(), kind, name: name.to_owned() })
+    }
+
+    /// What a name stands for now.
+    pub(super) fn latest(&self, name: &str) -> Option<&Definition> {
+        self.latest.get(name).map(Rc::as_ref)
     }
 
     /// Defines a material or another modifier.

@@ -90,7 +90,11 @@ impl Library {
     }
 
     /// A BSDF.
-    pub(super) fn bsdf(&mut self, name: &str, standing: &Standing) -> Result<Rc<Told<BsdfFile>>, Rc<Problem>> {
+    pub(super) fn bsdf(
+        &mut self,
+        name: &str,
+        standing: &Standing,
+    ) -> Result<Rc<Told<BsdfFile>>, Rc<Problem>> {
         let path = find(name, standing)?;
         let read = |path: &Path| {
             let (bytes, file) = bytes(path, LARGEST[3], standing)?;

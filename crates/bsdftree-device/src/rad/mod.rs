@@ -48,9 +48,9 @@ pub(crate) use command::command_word;
 pub(crate) use files::read as read_text;
 #[cfg(test)]
 pub(crate) use statement::parse as parse_statements;
-pub(crate) use types::is_surface;
 pub(crate) use statement::{Content, Primitive, Statement, quoted, real};
 pub(crate) use transform::{Steps, Transform, Wrong};
+pub(crate) use types::is_surface;
 
 use files::Source;
 use scene::{Placement, Scene};
@@ -97,7 +97,9 @@ impl Device {
             let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
             match Format::of(path) {
                 Some(format) => scene.mesh_file(path, format, &placement)?,
-                None if ending.is_some_and(|ending| ending == "oct") => scene.octree_file(path, &placement)?,
+                None if ending.is_some_and(|ending| ending == "oct") => {
+                    scene.octree_file(path, &placement)?
+                }
                 None => scene.file(path, &placement)?,
             }
         }

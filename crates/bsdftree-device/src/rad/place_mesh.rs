@@ -4,7 +4,7 @@
 //! for an octree its scene. What they bring along is defined for them alone. Names in a mesh go through the map of the
 //! options, then to what is defined in the scene at this point.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ impl Scene {
         let mesh = format.read(bytes, &name, &self.options.limits)?;
         let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let at = Place { file: name.into(), line: 1 };
-        self.mesh(&mesh, None, &stem, placement, &at)
+        self.mesh(&mesh, None, &stem, beside(path), placement, &at)
     }
 
     /// Adds an octree that is a device by itself.
@@ -104,7 +104,8 @@ impl Scene {
             let mesh = Format::Rtm.read(&bytes, &shown, &self.options.limits);
             let name = format!("{}{}", placement.prefix, p.name);
             mesh.and_then(|mesh| {
-                self.mesh(&mesh, imposed.as_ref().filter(|_| is_imposed), &name, &inside, at)
+                let imposed = imposed.as_ref().filter(|_| is_imposed);
+                self.mesh(&mesh, imposed, &name, beside(&path), &inside, at)
             })
         } else {
             self.octree(&bytes, &path, &shown, &inside, at)
@@ -122,7 +123,7 @@ impl Scene {
         placement: &Placement,
         at: &Place,
     ) -> Result<(), DeviceError> {
-        let directory = path.parent().unwrap_or(Path::new("")).to_owned();
+        let directory = beside(path).to_owned();
         match read_octree(bytes, shown)? {
             Octree::Frozen(statements) => {
                 // Its own names have no lines; the numbers of its objects stand for them.
@@ -148,12 +149,14 @@ impl Scene {
         }
     }
 
-    /// Adds the surfaces of a mesh, all of `imposed` if that is given.
+    /// Adds the surfaces of a mesh, all of `imposed` if that is given. Files that its materials name are looked for in
+    /// `directory`.
     fn mesh(
         &mut self,
         mesh: &MeshFile,
         imposed: Option<&Rc<Definition>>,
         name: &str,
+        directory: &Path,
         placement: &Placement,
         at: &Place,
     ) -> Result<(), DeviceError> {
@@ -164,9 +167,9 @@ impl Scene {
         self.collection.spend(64 * mesh.vertices.positions.len() as u64 + 12 * n_triangles, at)?;
         self.collection.count_triangles(n_triangles, at)?;
         if !mesh.materials.is_empty() {
-            let (file, directory) = (at.file.clone(), PathBuf::new());
-            let source = Source { name: file, directory, statements: mesh.materials.clone() };
-            self.source(&source, Path::new(""), placement)?;
+            let (name, statements) = (at.file.clone(), mesh.materials.clone());
+            let source = Source { name, directory: directory.to_owned(), statements };
+            self.source(&source, directory, placement)?;
         }
         let vertices = Arc::new(placed(&mesh.vertices, placement));
         if !vertices.positions.iter().all(|p| p.is_finite()) {
@@ -230,6 +233,11 @@ impl Scene {
             }
         }
     }
+}
+
+/// Where the files lie that a file names.
+fn beside(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// The vertices in metres in the device.

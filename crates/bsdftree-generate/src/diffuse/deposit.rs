@@ -108,7 +108,8 @@ impl<S: Spectrum> Walker<'_, S> {
         deposits.walks += walks.end - walks.start;
         self.walk_rest(side, cell, &walks, replicate, deposits);
         for k in walks {
-            let mut start = self.start(&mut stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
+            let mut start =
+                self.start(&mut stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
             let [u, v] = start.incident;
             let disk = self.layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
@@ -148,7 +149,8 @@ impl<S: Spectrum> Walker<'_, S> {
         let mut stratified = Stratified::new(seed, stream);
         let rims = rims(self.layout, cell);
         for k in rest {
-            let mut start = self.start(&mut stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
+            let mut start =
+                self.start(&mut stratified, seed, stream, k * N_REPLICATES as u64 + replicate as u64);
             let [(u, by_u), (v, by_v)] = [0, 1].map(|k| rims[k].crowded(start.incident[k]));
             let direction = toward(u, v);
             if let Some((ray, flux)) = self.entrance.through_rest(side, direction, start.origin) {
