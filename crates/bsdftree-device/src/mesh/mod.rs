@@ -3,8 +3,8 @@
 //! In: the text or bytes of OBJ, PLY, STL or Radiance's compiled meshes. Out: [`Mesh`]es, one for each material, that
 //! share their [`Vertices`].
 //!
-//! Modules in the order in which data flows: [`format`] → [`obj`], [`ply`], [`stl`], [`rtm`] ([`octree`], [`compiled`],
-//! [`direction`]) → [`parts`]; [`mod@write`].
+//! Modules in the order in which data flows: `format` → `obj`, `ply`, `stl`, `rtm` (`octree`, `compiled`,
+//! `direction`) → `parts`; `write`.
 
 mod compiled;
 mod direction;

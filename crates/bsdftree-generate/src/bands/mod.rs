@@ -11,7 +11,7 @@
 //!   that LBNL's schema of the file gives.
 //! * `550` is one wavelength, `PAR:400-700` the mean over wavelengths \[nm\].
 //!
-//! Where diffused light is reused ([`Reuse`](crate::diffuse)), the model knows wavelengths in 17 groups, which puts it, and the report's totals, off by less
+//! Where diffused light is reused (`diffuse`), the model knows wavelengths in 17 groups, which puts it, and the report's totals, off by less
 //! than 1e-3 of the light; full paths, which know all of them, correct the tree. Checkpoints keep what was counted, so bands cannot
 //! change when a generation goes on. Media (`dielectric`) and the factors of patterns on them are RGB.
 

@@ -1,6 +1,6 @@
 //! Wavelengths: where a path knows its light, and what is made of it where it ends.
 //!
-//! In: spectra of materials. Out: their values at [`N`] wavelengths, and the weights by which such values make X, Y, Z, sunlight, or light of
+//! In: spectra of materials. Out: their values at `N` wavelengths, and the weights by which such values make X, Y, Z, sunlight, or light of
 //! a band. Invariant: weights of one functional sum up to 1, so that what reflects everything has 1 in every band, and X = Y = Z.
 //!
 //! Between its wavelengths a path's light is taken to be a cubic, and weights are integrals of tables (CIE, ASTM) times that: how
@@ -21,5 +21,5 @@ pub(crate) use primaries::RED_GREEN;
 pub(crate) use samples::{REACH_NM, resampled};
 pub(crate) use weights::{Weights, cie_xyz, importance, mean_between, solar_between, value_at};
 
-/// The wavelengths of a path [nm].
+/// The wavelengths of a path \[nm\].
 pub const RANGE_NM: [f64; 2] = [300.0, 2500.0];
