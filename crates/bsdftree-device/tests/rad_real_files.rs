@@ -49,15 +49,19 @@ fn two_files_are_one_scene() {
 }
 
 #[test]
-fn prism_material_is_refused_with_its_line() {
-    let Some(path) = data("radiance/prism1.rad") else { return };
-    let error = Device::read_rad(&[path], Unit::Meter).unwrap_err().to_string();
-    assert!(error.contains("prism1.rad:4: material type 'prism1' (modifier \"prism1mat\")"), "{error}");
+fn prisms_redirect_by_the_function_file_beside_them() {
+    for (name, n_redirections) in [("radiance/prism1.rad", 1), ("radiance/prism2.rad", 2)] {
+        let Some(path) = data(name) else { return };
+        let device = Device::read_rad(&[path], Unit::Meter).unwrap();
+        let Material::Prism(prism) = &device.materials[0].material else { panic!("{name}: no prism") };
+        assert_eq!(prism.redirections.len(), n_redirections);
+    }
 }
 
 #[test]
-fn genprism_command_is_refused_with_its_line() {
+fn genprism_makes_the_sawtooth() {
     let Some(path) = data("radiance/sawtooth.rad") else { return };
-    let error = Device::read_rad(&[path], Unit::Meter).unwrap_err().to_string();
-    assert!(error.contains("sawtooth.rad:10: command 'genprism' is not supported yet"), "{error}");
+    let device = Device::read_rad(&[path], Unit::Meter).unwrap();
+    let n_cylinders = device.surfaces.iter().filter(|s| matches!(s.shape, Shape::Cylinder { .. })).count();
+    assert!(device.surfaces.len() > 300 && n_cylinders > 50, "{} {n_cylinders}", device.surfaces.len());
 }
