@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use bsdftree_device::{Device, Material, Unit};
+use bsdftree_device::{Device, Material, Shape, Unit};
 use glam::dvec3;
 
 /// A file of the test data, or `None` with a visible line.
