@@ -60,7 +60,7 @@ install-c: ## Install bsdftree.h and the C library under PREFIX (/usr/local)
 	ln -sf libbsdftree.so.0 $(PREFIX)/lib/libbsdftree.so
 	sed 's|@PREFIX@|$(PREFIX)|; s|@VERSION@|$(VERSION)|' crates/bsdftree-c/bsdftree.pc.in > $(PREFIX)/lib/pkgconfig/bsdftree.pc
 
-devices-report: setup ## Devices of every kind beside Radiance, patch by patch, into docs/devices.md; 15 minutes
+devices-report: setup ## Devices of every kind beside Radiance, patch by patch, into docs/devices.md; 5 minutes
 	$(BIN)/python -m benches.devices
 
 docs: ## API documentation of the crates, in target/doc
