@@ -6,17 +6,12 @@ mod cases;
 mod radiance;
 
 use bsdftree_device::cal::{CalError, Context, Inputs, Scratch};
+use bsdftree_testing::radiance::{programs, pyradiance};
+use bsdftree_testing::real_folder;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use radiance::{ARGUMENTS, Ray};
-use std::path::PathBuf;
-
-/// The folder of real files.
-fn data() -> PathBuf {
-    let beside = || concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data").into();
-    std::env::var_os("BSDFTREE_DATA").map_or_else(beside, PathBuf::from)
-}
 
 /// What we make of definitions and an expression: the value and the number of faults.
 fn ours(definitions: &str, expression: &str) -> Result<(f64, u32), CalError> {
@@ -33,7 +28,7 @@ fn agree(a: f64, b: f64, tolerance: f64) -> bool {
 
 #[test]
 fn hand_written_cases_are_as_in_rcalc() {
-    if radiance::programs().is_none() {
+    if programs().is_none() {
         return;
     }
     assert!(cases::CASES.len() >= 200, "{}", cases::CASES.len());
@@ -114,7 +109,7 @@ fn smooth() -> impl Strategy<Value = String> {
 }
 
 fn assert_agree_with_rcalc(strategy: impl Strategy<Value = String>, n: usize, tolerance: f64) {
-    if radiance::programs().is_none() {
+    if programs().is_none() {
         return;
     }
     let mut runner = TestRunner::deterministic();
@@ -216,7 +211,7 @@ fn compare_with_rtrace(file: &str, expression: &str) -> Result<usize, String> {
 }
 
 fn assert_as_in_rtrace<'a>(cases: impl IntoIterator<Item = (&'a str, &'a str)>) {
-    if radiance::programs().is_none() {
+    if programs().is_none() {
         return;
     }
     let wrong: Vec<String> = cases
@@ -358,8 +353,8 @@ fn files_mean_the_same_to_the_renderer() {
 
 #[test]
 fn the_prism_is_as_in_rtrace() {
-    let path = data().join("radiance/prism.cal");
-    let (Ok(file), Some(_)) = (std::fs::read_to_string(&path), radiance::programs()) else {
+    let path = real_folder().join("radiance/prism.cal");
+    let (Ok(file), Some(_)) = (std::fs::read_to_string(&path), programs()) else {
         eprintln!("SKIPPED: {} or rtrace is not there", path.display());
         return;
     };
@@ -371,8 +366,8 @@ fn the_prism_is_as_in_rtrace() {
 
 #[test]
 fn library_files_of_radiance_and_the_prism_are_read() {
-    let library = radiance::pyradiance().map(|folder| folder.join("lib"));
-    for (folder, at_least) in [(Some(data().join("radiance")), 1), (library, 100)] {
+    let library = pyradiance().map(|folder| folder.join("lib"));
+    for (folder, at_least) in [(Some(real_folder().join("radiance")), 1), (library, 100)] {
         let Some(files) = folder.and_then(|folder| std::fs::read_dir(folder).ok()) else {
             eprintln!("SKIPPED: no files of Radiance");
             continue;

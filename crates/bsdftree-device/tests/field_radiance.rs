@@ -1,16 +1,13 @@
 //! Patterns, textures and mixtures of modifiers beside `rtrace`, live: the same numbers at the same places.
 
-#[path = "cal/radiance.rs"]
-#[allow(dead_code, reason = "it is the support of other tests, too")]
-mod radiance;
 #[path = "field/scenes.rs"]
 mod scenes;
 
 use bsdftree_device::Unit;
 use bsdftree_device::field::RayState;
 use bsdftree_device::material::{Material, Modifier};
+use bsdftree_testing::radiance::programs;
 use glam::DVec3;
-use radiance::programs;
 use scenes::{Plane, Scene, rays, scaled};
 
 /// What modifiers make of white and of the normal, as a tracer has to do it.

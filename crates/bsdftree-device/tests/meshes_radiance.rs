@@ -1,27 +1,19 @@
 //! Compiled meshes and octrees of Radiance's own programs, live: they are read as what they were made of.
 
-#[path = "cal/radiance.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
-mod radiance;
-
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use bsdftree_device::mesh::Mesh;
 use bsdftree_device::options::MaterialMap;
 use bsdftree_device::{Device, DeviceError, ReadOptions, Shape, Unit};
+use bsdftree_testing::radiance::{printed, programs};
 use glam::DVec3;
 
 const MATERIALS: &str =
     "void plastic red 0 0 5 .5 .25 .125 0 0\nvoid metal blue 0 0 5 .125 .25 .5 .5 0\nvoid alias green red\n";
 
 fn run(folder: &Path, program: &str, arguments: &[&str]) -> Vec<u8> {
-    let programs = radiance::programs().unwrap();
-    let mut command = Command::new(programs.join(program));
-    let output = command.args(arguments).current_dir(folder).output().unwrap();
-    assert!(output.status.success(), "{program} {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    output.stdout
+    printed(program, folder, arguments, b"")
 }
 
 /// A smooth ball without its poles, of 20 × 30 quadrangles, with texture coordinates.
@@ -36,6 +28,14 @@ fn ball(folder: &Path) {
     let obj: String = String::from_utf8(obj).unwrap().lines().map(triangles).collect();
     fs::write(folder.join("ball.obj"), obj).unwrap();
     fs::write(folder.join("m.mat"), MATERIALS).unwrap();
+}
+
+/// A folder with that ball, if there are programs to make it.
+fn folder_with_ball() -> Option<tempfile::TempDir> {
+    programs()?;
+    let folder = tempfile::tempdir().unwrap();
+    ball(folder.path());
+    Some(folder)
 }
 
 fn with_materials(folder: &Path) -> ReadOptions {
@@ -74,12 +74,8 @@ fn pairs(ours: &[Triangle], theirs: &[Triangle]) -> Vec<(Triangle, Triangle)> {
 
 #[test]
 fn a_compiled_mesh_is_the_mesh_it_was_made_of() {
-    if radiance::programs().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    let Some(folder) = folder_with_ball() else { return };
     let folder = folder.path();
-    ball(folder);
     run(folder, "obj2mesh", &["-a", "m.mat", "ball.obj", "ball.rtm"]);
     let from_obj = Device::read_mesh(&folder.join("ball.obj"), with_materials(folder)).unwrap();
     let compiled = Device::read_mesh(&folder.join("ball.rtm"), Unit::Meter).unwrap();
@@ -99,12 +95,8 @@ fn a_compiled_mesh_is_the_mesh_it_was_made_of() {
 
 #[test]
 fn materials_of_each_triangle_survive_compilation() {
-    if radiance::programs().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    let Some(folder) = folder_with_ball() else { return };
     let folder = folder.path();
-    ball(folder);
     let plain: String = fs::read_to_string(folder.join("ball.obj"))
         .unwrap()
         .lines()
@@ -137,12 +129,8 @@ fn materials_of_each_triangle_survive_compilation() {
 
 #[test]
 fn a_mesh_in_a_scene_is_placed_and_made_of_what_is_said() {
-    if radiance::programs().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    let Some(folder) = folder_with_ball() else { return };
     let folder = folder.path();
-    ball(folder);
     run(folder, "obj2mesh", &["-a", "m.mat", "ball.obj", "ball.rtm"]);
     let scene = "void mesh own 1 ball.rtm 0 0\nvoid glass pane 0 0 3 .9 .9 .9\n\
                  pane mesh imposed 8 ball.rtm -s 2 -mx -t 10 0 0 0 0\nvoid plastic red 0 0 5 .9 .9 .9 0 0\n\
@@ -174,12 +162,8 @@ fn a_mesh_in_a_scene_is_placed_and_made_of_what_is_said() {
 
 #[test]
 fn an_instance_is_the_scene_of_its_octree() {
-    if radiance::programs().is_none() {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
+    let Some(folder) = folder_with_ball() else { return };
     let folder = folder.path();
-    ball(folder);
     run(folder, "obj2mesh", &["-a", "m.mat", "ball.obj", "ball.rtm"]);
     let inner = "void plastic red 0 0 5 .5 .25 .125 0 0\nvoid colorfunc half 4 .5 .5 .5 . 0 0\nhalf alias dark red\n\
                  red sphere a 0 0 4 0 0 0 1\nvoid metal red 0 0 5 .75 .75 .75 .5 0\ndark sphere b 0 0 4 2 0 0 1\n\

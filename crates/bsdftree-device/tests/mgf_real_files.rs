@@ -1,29 +1,16 @@
 //! MGF of other people, and the geometry inside their BSDF files, read from the shared test data.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bsdftree::xml::{Strictness, read_file};
 use bsdftree_device::{Device, Material, Shape, Unit};
+use bsdftree_testing::real_file;
 use glam::{DVec3, dvec3};
-
-/// A file of the test data, or `None` with a visible line.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("BSDFTREE_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let path = root.join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED: {} is not there; set BSDFTREE_DATA", path.display());
-    None
-}
 
 /// Ward's: a prism of a profile with rounded edges; each line of it that is a surface is one here.
 #[test]
 fn the_talks_sawtooth_is_read() {
-    let Some(path) = data("radiance/sawtooth.mgf") else { return };
+    let Some(path) = real_file("radiance/sawtooth.mgf") else { return };
     let text = std::fs::read_to_string(&path).unwrap();
     let device = Device::read_mgf(&[path], Unit::Meter).unwrap();
     assert_eq!(device.warnings, Vec::<String>::new());
@@ -43,7 +30,7 @@ fn the_talks_sawtooth_is_read() {
 
 #[test]
 fn the_coloured_diffuser_is_read() {
-    let Some(path) = data("radiance/testspecmat.mgf") else { return };
+    let Some(path) = real_file("radiance/testspecmat.mgf") else { return };
     let device = Device::read_mgf(&[path], Unit::Meter).unwrap();
     assert_eq!((device.surfaces.len(), device.materials[0].name.as_str()), (1, "SpectralDiffuser"));
     let Material::Wgmd(wgmd) = &device.materials[0].material else { panic!("{:?}", device.materials) };
@@ -57,7 +44,7 @@ fn the_coloured_diffuser_is_read() {
 #[test]
 fn devices_inside_bsdf_files_have_the_size_of_the_header() {
     for name in ["pyradiance/blinds.xml", "pyradiance/blindsT3.xml"] {
-        let Some(path) = data(name) else { return };
+        let Some(path) = real_file(name) else { return };
         let device = Device::read_bsdf_geometry(&path, Unit::Inch).unwrap().unwrap();
         let header = read_file(&path, Strictness::Repair).unwrap().0.header;
         let [low, high] = device.bounds().unwrap();
@@ -68,7 +55,7 @@ fn devices_inside_bsdf_files_have_the_size_of_the_header() {
         assert_eq!(device.surfaces.len(), 311);
     }
     // Made for a part of the device.
-    let Some(path) = data("frads/blinds30.xml") else { return };
+    let Some(path) = real_file("frads/blinds30.xml") else { return };
     let device = Device::read_bsdf_geometry(&path, Unit::Inch).unwrap().unwrap();
     let [low, high] = device.bounds().unwrap();
     assert!((high - low).distance(dvec3(3.05, 2.74, 0.131650635)) < 1e-5, "{low} {high}");
@@ -76,7 +63,7 @@ fn devices_inside_bsdf_files_have_the_size_of_the_header() {
 
 #[test]
 fn files_without_geometry_have_none() {
-    let Some(path) = data("radiance/sawtooth.xml") else { return };
+    let Some(path) = real_file("radiance/sawtooth.xml") else { return };
     assert!(Device::read_bsdf_geometry(&path, Unit::Meter).unwrap().is_none());
     let error = Device::read_bsdf_geometry(Path::new("/nowhere.xml"), Unit::Meter).unwrap_err().to_string();
     assert!(error.contains("cannot read '/nowhere.xml'"), "{error}");

@@ -1,27 +1,12 @@
 //! Scenes of other people, read from the shared test data.
 
-use std::path::PathBuf;
-
 use bsdftree_device::{Device, Material, Shape, Unit};
+use bsdftree_testing::real_file;
 use glam::dvec3;
-
-/// A file of the test data, or `None` with a visible line.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("BSDFTREE_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let path = root.join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED: {} is not there; set BSDFTREE_DATA", path.display());
-    None
-}
 
 #[test]
 fn blinds_of_pyradiance_are_read() {
-    let Some(path) = data("pyradiance/blinds.rad") else { return };
+    let Some(path) = real_file("pyradiance/blinds.rad") else { return };
     let device = Device::read_rad(&[path], Unit::Meter).unwrap();
     assert_eq!((device.surfaces.len(), device.materials.len(), device.warnings.len()), (311, 2, 0));
     assert_eq!(device.bounds().unwrap(), [dvec3(0.0, -0.0127, -0.048591), dvec3(6.096, 1.524, 0.0)]);
@@ -32,7 +17,7 @@ fn blinds_of_pyradiance_are_read() {
 
 #[test]
 fn blinds_only_of_pyradiance_are_read() {
-    let Some(path) = data("pyradiance/blindsOnly.rad") else { return };
+    let Some(path) = real_file("pyradiance/blindsOnly.rad") else { return };
     let device = Device::read_rad(&[path], Unit::Foot).unwrap();
     assert_eq!((device.surfaces.len(), device.materials.len()), (307, 2));
     let [low, high] = device.bounds().unwrap();
@@ -41,7 +26,8 @@ fn blinds_only_of_pyradiance_are_read() {
 
 #[test]
 fn two_files_are_one_scene() {
-    let (Some(a), Some(b)) = (data("pyradiance/blinds.rad"), data("pyradiance/blindsOnly.rad")) else {
+    let (Some(a), Some(b)) = (real_file("pyradiance/blinds.rad"), real_file("pyradiance/blindsOnly.rad"))
+    else {
         return;
     };
     let device = Device::read_rad(&[a, b], Unit::Meter).unwrap();
@@ -51,7 +37,7 @@ fn two_files_are_one_scene() {
 #[test]
 fn prisms_redirect_by_the_function_file_beside_them() {
     for (name, n_redirections) in [("radiance/prism1.rad", 1), ("radiance/prism2.rad", 2)] {
-        let Some(path) = data(name) else { return };
+        let Some(path) = real_file(name) else { return };
         let device = Device::read_rad(&[path], Unit::Meter).unwrap();
         let Material::Prism(prism) = &device.materials[0].material else { panic!("{name}: no prism") };
         assert_eq!(prism.redirections.len(), n_redirections);
@@ -60,7 +46,7 @@ fn prisms_redirect_by_the_function_file_beside_them() {
 
 #[test]
 fn genprism_makes_the_sawtooth() {
-    let Some(path) = data("radiance/sawtooth.rad") else { return };
+    let Some(path) = real_file("radiance/sawtooth.rad") else { return };
     let device = Device::read_rad(&[path], Unit::Meter).unwrap();
     let n_cylinders = device.surfaces.iter().filter(|s| matches!(s.shape, Shape::Cylinder { .. })).count();
     assert!(device.surfaces.len() > 300 && n_cylinders > 50, "{} {n_cylinders}", device.surfaces.len());

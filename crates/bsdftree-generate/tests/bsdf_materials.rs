@@ -16,29 +16,8 @@ use bsdftree_device::{Device, Material, NamedMaterial, Shape, Surface, Unit};
 use bsdftree_generate::path::{Outcome, Scene};
 use bsdftree_generate::random::Random;
 use bsdftree_generate::{Layout, Options, Progress, generate, generate_bands};
+use bsdftree_testing::READABLE;
 use glam::DVec3;
-
-/// Real files that say something of the visible band.
-const FILES: [&str; 18] = [
-    "bsdfxmlparser/2011-SA1.XML",
-    "frads/blinds30.xml",
-    "frads/ec60.xml",
-    "ignis/simple_klems_through_trans.xml",
-    "ignis/simple_tensor_d2_refl.xml",
-    "ignis/simple_tensor_d2_t3_trans.xml",
-    "ignis/simple_tensor_d3_t3_refl.xml",
-    "ignis/simple_tensor_front_refl.xml",
-    "ignis/simple_tensor_refl.xml",
-    "ignis/simple_tensor_trans.xml",
-    "mermet/E_Screen_3pct_White.xml",
-    "pyradiance/blinds.xml",
-    "pyradiance/blindsT3.xml",
-    "pyradiance/clear.xml",
-    "pyradiance/t3.xml",
-    "pyradiance/ven45.xml",
-    "radiance/sawtooth.xml",
-    "radiance/testBSDF.xml",
-];
 
 fn read(name: &str) -> Option<BsdfFile> {
     let path = radiance::real_file(name)?;
@@ -118,7 +97,7 @@ fn compare(band: &Band, scene: &Scene<f64>, incident: DVec3, n: u64, seed: u64) 
 fn a_pane_of_a_file_has_its_bsdf_cell_by_cell() {
     let mut random = Random::new(41, 0, 0);
     let mut n_cells = 0;
-    for name in FILES {
+    for name in READABLE {
         let Some(file) = read(name) else { return };
         let scene = Scene::<f64>::new(&pane(Material::Measured(Arc::new(measured(&file, false))))).unwrap();
         for k in 0..10 {
@@ -143,7 +122,7 @@ fn a_pane_of_a_file_has_its_bsdf_cell_by_cell() {
 #[test]
 fn a_pane_of_a_file_has_its_totals() {
     let mut random = Random::new(42, 0, 0);
-    for name in FILES {
+    for name in READABLE {
         let Some(file) = read(name) else { return };
         let scene = Scene::<f64>::new(&pane(Material::Measured(Arc::new(measured(&file, false))))).unwrap();
         let direct = Scene::<f64>::new(&pane(Material::Measured(Arc::new(measured(&file, true))))).unwrap();

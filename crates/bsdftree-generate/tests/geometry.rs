@@ -1,12 +1,12 @@
 //! The geometry inside a BSDF file: put there by a generation, and generated again from. Fixed seeds.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use bsdftree::xml::{Strictness, read_file};
 use bsdftree::{Band, Basis, Bsdf, LengthUnit, Lobes, Side};
 use bsdftree_device::{Device, Unit};
 use bsdftree_generate::{Aperture, Generated, Layout, Options, Progress, generate};
+use bsdftree_testing::real_file;
 
 fn options(samples: u64) -> Options {
     Options { samples, ..Options::new(Layout::Klems(Arc::new(Basis::full()))) }
@@ -14,20 +14,6 @@ fn options(samples: u64) -> Options {
 
 fn visible(bsdf: &Bsdf) -> &Band {
     bsdf.band("Visible").unwrap()
-}
-
-/// A file of the test data, or `None` with a visible line.
-fn data(name: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("BSDFTREE_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let path = root.join(name);
-    if path.is_file() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED: {} is not there; set BSDFTREE_DATA", path.display());
-    None
 }
 
 #[test]
@@ -64,7 +50,7 @@ fn what_the_geometry_does_not_say_is_warned_of() {
 /// Asserts that the hemispherical totals of a file are those of a generation from its own geometry: in the mean over all patches
 /// within `mean`, and of each patch within half a percent and four standard errors of the file's `n` samples.
 fn assert_made_of_its_geometry(name: &str, sides: &[Side], n: f64, mean: f64) {
-    let Some(path) = data(name) else { return };
+    let Some(path) = real_file(name) else { return };
     let (file, _) = read_file(&path, Strictness::Repair).unwrap();
     let device = Device::read_bsdf_geometry(&path, Unit::Meter).unwrap().unwrap();
     let header = &file.header;

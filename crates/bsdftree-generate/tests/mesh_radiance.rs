@@ -1,45 +1,20 @@
 //! What rays meet on smooth meshes, beside Radiance's rtrace, live.
 
-#[path = "../../bsdftree-device/tests/cal/radiance.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
-mod radiance;
-
 mod bvh_scenes;
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Stdio};
 
 use bsdftree_device::{Device, Unit};
 use bsdftree_generate::bvh::{Bvh, Ray};
+use bsdftree_testing::radiance::{doubles, printed, programs};
 use bvh_scenes::Random;
 use glam::{DVec3, dvec3};
 
 const N_RAYS: usize = 4000;
 
-fn run(folder: &Path, program: &str, arguments: &[&str], input: &str) -> Vec<u8> {
-    use std::io::Write;
-    let programs = radiance::programs().unwrap();
-    let mut child = Command::new(programs.join(program))
-        .args(arguments)
-        .current_dir(folder)
-        .env("RAYPATH", format!(".:{}", programs.with_file_name("lib").display()))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    let input = input.to_owned();
-    let writer = std::thread::spawn(move || stdin.write_all(input.as_bytes()));
-    let output = child.wait_with_output().unwrap();
-    let _ = writer.join().unwrap();
-    assert!(output.status.success(), "{program} {arguments:?}");
-    output.stdout
-}
-
 #[test]
 fn normals_and_texture_coordinates_of_a_smooth_mesh_are_rtraces() {
-    if radiance::programs().is_none() {
+    if programs().is_none() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
@@ -48,9 +23,9 @@ fn normals_and_texture_coordinates_of_a_smooth_mesh_are_rtraces() {
     let radius = "(1+.1*sin(9*s)*cos(7*t))";
     let [x, y, z] = ["sin(.3+2.5*s)*cos(6*t)", "cos(.3+2.5*s)", "-sin(.3+2.5*s)*sin(6*t)"];
     let [x, y, z] = [x, y, z].map(|f| format!("{radius}*{f}"));
-    let obj = run(folder, "gensurf", &["red", "ball", &x, &y, &z, "20", "30", "-s", "-o"], "");
+    let obj = printed("gensurf", folder, &["red", "ball", &x, &y, &z, "20", "30", "-s", "-o"], b"");
     fs::write(folder.join("ball.obj"), obj).unwrap();
-    run(folder, "obj2mesh", &["ball.obj", "ball.rtm"], "");
+    printed("obj2mesh", folder, &["ball.obj", "ball.rtm"], b"");
     let scene = |pattern: &str| {
         format!(
             "void brightfunc pattern 2 {pattern} . 0 0\npattern glow shine 0 0 4 1 1 1 0\n\
@@ -72,10 +47,10 @@ fn normals_and_texture_coordinates_of_a_smooth_mesh_are_rtraces() {
     let mut traced = Vec::new();
     for pattern in ["Lu", "Lv"] {
         fs::write(folder.join("s.rad"), scene(pattern)).unwrap();
-        fs::write(folder.join("s.oct"), run(folder, "oconv", &["s.rad"], "")).unwrap();
-        let bytes = run(folder, "rtrace", &["-h", "-w", "-fad", "-opNnv", "-ab", "0", "s.oct"], &input);
-        let numbers: Vec<f64> =
-            bytes.chunks_exact(8).map(|b| f64::from_ne_bytes(b.try_into().unwrap())).collect();
+        fs::write(folder.join("s.oct"), printed("oconv", folder, &["s.rad"], b"")).unwrap();
+        let bytes =
+            printed("rtrace", folder, &["-h", "-w", "-fad", "-opNnv", "-ab", "0", "s.oct"], input.as_bytes());
+        let numbers = doubles(&bytes);
         assert_eq!(numbers.len(), 12 * N_RAYS);
         traced.push(numbers);
     }

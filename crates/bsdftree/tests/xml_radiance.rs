@@ -7,7 +7,8 @@ mod xml_text;
 use bsdftree::direction::direction_from_polar;
 use bsdftree::xml::{Strictness, read_file};
 use bsdftree::{Bsdf, Side};
-use xml_text::{VISIBLE, block, file, real, strict};
+use bsdftree_testing::real_file;
+use xml_text::{VISIBLE, block, file, strict};
 
 type Table = &'static [([f64; 4], f64)];
 
@@ -25,7 +26,7 @@ fn assert_agrees(bsdf: &Bsdf, table: Table) {
 }
 
 fn assert_file_agrees(path: &str, table: Table) {
-    let Some(path) = real(path) else { return };
+    let Some(path) = real_file(path) else { return };
     assert_agrees(&read_file(path, Strictness::Strict).unwrap().0, table);
 }
 

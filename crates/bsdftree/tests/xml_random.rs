@@ -4,8 +4,9 @@ mod xml_text;
 
 use bsdftree::xml::{Strictness, parse_tree, read, write};
 use bsdftree::{Bsdf, Component, Part, Rank, Scattering, Tree};
+use bsdftree_testing::real_file;
 use proptest::prelude::*;
-use xml_text::{assert_same_bsdf, real, tree_file};
+use xml_text::{assert_same_bsdf, tree_file};
 
 /// A tree as the test understands it.
 #[derive(Clone, Debug)]
@@ -188,7 +189,7 @@ proptest! {
     #[test]
     fn damaged_real_files_are_safe(edits in edits()) {
         for path in ["radiance/testBSDF.xml", "ignis/simple_tensor_d2_refl.xml", "bsdfxmlparser/2011-SA1-Small-TabSeparated.XML"] {
-            let Some(path) = real(path) else { return Ok(()) };
+            let Some(path) = real_file(path) else { return Ok(()) };
             assert_safe(&damaged(&std::fs::read(path).unwrap(), &edits));
         }
     }
@@ -200,7 +201,7 @@ proptest! {
     #[test]
     fn damaged_large_files_are_safe(edits in edits()) {
         for path in ["radiance/sawtooth.xml", "pyradiance/blindsT3.xml", "frads/ec60.xml"] {
-            let Some(path) = real(path) else { return Ok(()) };
+            let Some(path) = real_file(path) else { return Ok(()) };
             assert_safe(&damaged(&std::fs::read(path).unwrap(), &edits));
         }
     }

@@ -4,32 +4,12 @@ mod xml_text;
 
 use bsdftree::xml::{Severity, Strictness, parse_tree, read_file, write};
 use bsdftree::{Part, Rank};
-use xml_text::{assert_same_bsdf, matrix, real, tree};
-
-const WHOLE: &[&str] = &[
-    "bsdfxmlparser/2011-SA1.XML",
-    "frads/blinds30.xml",
-    "frads/ec60.xml",
-    "ignis/simple_klems_through_trans.xml",
-    "ignis/simple_tensor_d2_refl.xml",
-    "ignis/simple_tensor_d2_t3_trans.xml",
-    "ignis/simple_tensor_d3_t3_refl.xml",
-    "ignis/simple_tensor_front_refl.xml",
-    "ignis/simple_tensor_refl.xml",
-    "ignis/simple_tensor_trans.xml",
-    "mermet/E_Screen_3pct_White.xml",
-    "pyradiance/blinds.xml",
-    "pyradiance/blindsT3.xml",
-    "pyradiance/clear.xml",
-    "pyradiance/t3.xml",
-    "pyradiance/ven45.xml",
-    "radiance/sawtooth.xml",
-    "radiance/testBSDF.xml",
-];
+use bsdftree_testing::{READABLE, real_file};
+use xml_text::{assert_same_bsdf, matrix, tree};
 
 #[test]
 fn whole_files_read_strictly() {
-    for path in WHOLE.iter().filter_map(|path| real(path)) {
+    for path in READABLE.iter().filter_map(|path| real_file(path)) {
         let (_, repairs) = read_file(&path, Strictness::Strict).unwrap_or_else(|error| panic!("{error}"));
         assert!(repairs.iter().all(|r| r.severity == Severity::Note), "{repairs:?}");
     }
@@ -38,7 +18,7 @@ fn whole_files_read_strictly() {
 #[test]
 fn truncated_matrices_are_refused_even_in_repair_mode() {
     for name in ["2011-SA1-Small-CommaSeparated.XML", "2011-SA1-Small-TabSeparated.XML"] {
-        let Some(path) = real(&format!("bsdfxmlparser/{name}")) else { return };
+        let Some(path) = real_file(&format!("bsdfxmlparser/{name}")) else { return };
         for strictness in [Strictness::Strict, Strictness::Repair] {
             let message = read_file(&path, strictness).unwrap_err().to_string();
             assert!(message.contains(name), "{message}");
@@ -50,7 +30,7 @@ fn truncated_matrices_are_refused_even_in_repair_mode() {
 
 #[test]
 fn real_files_survive_writing_exactly() {
-    for path in WHOLE.iter().filter_map(|path| real(path)) {
+    for path in READABLE.iter().filter_map(|path| real_file(path)) {
         let (first, _) = read_file(&path, Strictness::Strict).unwrap();
         let mut text = Vec::new();
         write(&first, &mut text).unwrap();
@@ -72,7 +52,7 @@ fn formula(record: usize) -> f64 {
 /// rttree_reduce reads the 4 × 8 × 8 cells with d0 < ½ of an 8³ grid, d0 slowest, and makes each leaf the mean of its cells.
 #[test]
 fn leaves_are_where_the_closed_formula_puts_them() {
-    let Some(text) = real("radiance/ttree.txt") else { return };
+    let Some(text) = real_file("radiance/ttree.txt") else { return };
     let tree = parse_tree(&std::fs::read(text).unwrap(), Rank::Three).unwrap();
     let mut finest = 0;
     for leaf in tree.leaves() {
@@ -92,7 +72,8 @@ fn leaves_are_where_the_closed_formula_puts_them() {
 
 #[test]
 fn a_tree_in_a_file_is_the_raw_tree() {
-    let (Some(text), Some(file)) = (real("radiance/ttree.txt"), real("radiance/testBSDF.xml")) else {
+    let (Some(text), Some(file)) = (real_file("radiance/ttree.txt"), real_file("radiance/testBSDF.xml"))
+    else {
         return;
     };
     let raw = parse_tree(&std::fs::read(text).unwrap(), Rank::Three).unwrap();
@@ -103,7 +84,7 @@ fn a_tree_in_a_file_is_the_raw_tree() {
 
 #[test]
 fn line_before_the_declaration_is_kept_as_provenance() {
-    let Some(path) = real("pyradiance/blindsT3.xml") else { return };
+    let Some(path) = real_file("pyradiance/blindsT3.xml") else { return };
     let (bsdf, _) = read_file(path, Strictness::Strict).unwrap();
     let provenance = &bsdf.header.provenance;
     assert!(provenance[0].starts_with("Recover using: /home/hksline/radiance/bin/genBSDF"), "{provenance:?}");
@@ -112,7 +93,7 @@ fn line_before_the_declaration_is_kept_as_provenance() {
 
 #[test]
 fn device_is_read_with_its_units() {
-    let Some(path) = real("radiance/sawtooth.xml") else { return };
+    let Some(path) = real_file("radiance/sawtooth.xml") else { return };
     let (bsdf, _) = read_file(path, Strictness::Strict).unwrap();
     assert_eq!(bsdf.header.unit, bsdftree::LengthUnit::Millimeter);
     assert_eq!(
@@ -120,7 +101,7 @@ fn device_is_read_with_its_units() {
         [Some(0.002), Some(0.24), Some(0.24)]
     );
     assert_eq!(bsdf.header.geometry, None);
-    let Some(path) = real("frads/blinds30.xml") else { return };
+    let Some(path) = real_file("frads/blinds30.xml") else { return };
     let geometry = read_file(path, Strictness::Strict).unwrap().0.header.geometry.unwrap();
     assert_eq!(geometry.unit, bsdftree::LengthUnit::Meter);
     assert!(geometry.mgf.starts_with("xf -t -0.000000 -0.000000 0\n"), "{}", &geometry.mgf[..40]);
@@ -130,7 +111,7 @@ fn device_is_read_with_its_units() {
 /// Values of the text itself: the first line is the first exitant patch, the first column the first incident one.
 #[test]
 fn lines_of_columns_are_exitant_patches() {
-    let Some(path) = real("radiance/sawtooth.xml") else { return };
+    let Some(path) = real_file("radiance/sawtooth.xml") else { return };
     let (bsdf, _) = read_file(path, Strictness::Strict).unwrap();
     let matrix = matrix(&bsdf.bands[0].component(Part::ReflectionBack).unwrap().luminance);
     let value = |incident: usize, exitant: usize| matrix.values()[incident * 145 + exitant];
@@ -140,7 +121,7 @@ fn lines_of_columns_are_exitant_patches() {
 
 #[test]
 fn solar_is_a_band_of_its_own() {
-    let Some(path) = real("frads/ec60.xml") else { return };
+    let Some(path) = real_file("frads/ec60.xml") else { return };
     let (bsdf, _) = read_file(path, Strictness::Strict).unwrap();
     let parts = |band: &str| bsdf.band(band).unwrap().components().map(|(part, _)| part).collect::<Vec<_>>();
     assert_eq!(parts("visible"), [Part::TransmissionFront, Part::TransmissionBack]);

@@ -1,13 +1,9 @@
 //! The generators beside Radiance's own, live, statement by statement; and what they refuse.
 
-#[path = "../../tests/cal/radiance.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
-mod radiance;
-
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
+use bsdftree_testing::radiance::{printed, programs};
 use glam::DVec3;
 
 use super::{Environment, run};
@@ -61,15 +57,8 @@ fn ours(command: &[String], folder: &Path, limit: u64) -> Result<Vec<Statement>,
 }
 
 fn theirs(command: &[String], folder: &Path) -> Option<Vec<Statement>> {
-    let programs = radiance::programs()?;
-    let output = Command::new(programs.join(&command[0]))
-        .args(&command[1..])
-        .current_dir(folder)
-        .env("RAYPATH", format!(".:{}", programs.with_file_name("lib").display()))
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{command:?}: {}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
+    programs()?;
+    let text = String::from_utf8(printed(&command[0], folder, &command[1..], b"")).unwrap();
     if text.contains("nan") {
         // Where it divides 0 by 0 there is nothing to compare.
         return None;
@@ -149,7 +138,7 @@ fn difference(ours: &[Statement], theirs: &[Statement], tolerance: f64) -> Optio
 
 /// Compares commands, words separated by `|`. The tolerance allows for Radiance's 12 digits.
 fn agree(folder: &Path, cases: impl IntoIterator<Item = String>) {
-    if radiance::programs().is_none() {
+    if programs().is_none() {
         return;
     }
     let (mut n_cases, mut wrong) = (0, Vec::new());

@@ -60,6 +60,17 @@ use crate::error::DeviceError;
 use crate::mesh::Format;
 use crate::options::ReadOptions;
 
+/// A scene that has read the materials of its options, and the placement of what comes next.
+fn begun(options: ReadOptions) -> Result<(Scene, Placement), DeviceError> {
+    let placement = Placement::scaled(options.unit.meters());
+    let materials = options.materials.files.clone();
+    let mut scene = Scene::new(options);
+    for path in &materials {
+        scene.file(path, &placement)?;
+    }
+    Ok((scene, placement))
+}
+
 impl Device {
     /// Reads files of any format, in their order one scene, as the options (or just a [`Unit`](crate::Unit)) say.
     ///
@@ -86,13 +97,7 @@ impl Device {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(paths: &[PathBuf], options: impl Into<ReadOptions>) -> Result<Device, DeviceError> {
-        let options = options.into();
-        let placement = Placement::scaled(options.unit.meters());
-        let materials = options.materials.files.clone();
-        let mut scene = Scene::new(options);
-        for path in &materials {
-            scene.file(path, &placement)?;
-        }
+        let (mut scene, placement) = begun(options.into())?;
         for path in paths {
             let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
             match Format::of(path) {
@@ -123,13 +128,7 @@ impl Device {
         name: &str,
         options: impl Into<ReadOptions>,
     ) -> Result<Device, DeviceError> {
-        let options = options.into();
-        let placement = Placement::scaled(options.unit.meters());
-        let materials = options.materials.files.clone();
-        let mut scene = Scene::new(options);
-        for path in &materials {
-            scene.file(path, &placement)?;
-        }
+        let (mut scene, placement) = begun(options.into())?;
         let path = Path::new(name);
         let format = Format::of(path).ok_or_else(|| DeviceError::File {
             path: path.to_owned(),

@@ -1,15 +1,12 @@
 //! Radiance scenes of one surface, given to `rtrace` and to us.
 
 use std::f64::consts::TAU;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 use bsdftree_device::field::RayState;
 use bsdftree_device::{Device, Material, ReadOptions, Unit};
+use bsdftree_testing::radiance::{doubles, printed, programs};
 use glam::DVec3;
-
-use crate::radiance::programs;
 
 /// Files in a directory of their own.
 pub struct Scene {
@@ -51,34 +48,10 @@ impl Scene {
         Scene { folder }
     }
 
-    /// What a program prints; its standard error if it fails.
-    pub fn run(&self, program: &str, arguments: &[&str], input: &[u8]) -> Result<Vec<u8>, String> {
-        let programs = programs().expect("asked before");
-        let mut child = Command::new(programs.join(program))
-            .args(arguments)
-            .current_dir(self.folder.path())
-            .env("PATH", programs)
-            .env("RAYPATH", format!(".:{}", programs.with_file_name("lib").display()))
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut stdin = child.stdin.take().unwrap();
-        let input = input.to_vec();
-        let writer = std::thread::spawn(move || stdin.write_all(&input));
-        let output = child.wait_with_output().unwrap();
-        let _ = writer.join().unwrap();
-        match output.status.success() {
-            true => Ok(output.stdout),
-            false => Err(String::from_utf8_lossy(&output.stderr).into_owned()),
-        }
-    }
-
     /// Triples that rtrace gives for rays through a scene text.
     pub fn rtrace(&self, text: &str, arguments: &[&str], rays: &[RayState]) -> Vec<DVec3> {
         std::fs::write(self.folder.path().join("scene.rad"), text).unwrap();
-        let octree = self.run("oconv", &["scene.rad"], b"").unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let octree = printed("oconv", self.path(), &["scene.rad"], b"");
         std::fs::write(self.folder.path().join("scene.oct"), octree).unwrap();
         let input: String = rays
             .iter()
@@ -89,10 +62,8 @@ impl Scene {
             })
             .collect();
         let all = [&["-h", "-fad"], arguments, &["scene.oct"]].concat();
-        let bytes = self.run("rtrace", &all, input.as_bytes()).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        let doubles: Vec<f64> =
-            bytes.chunks_exact(8).map(|b| f64::from_ne_bytes(b.try_into().unwrap())).collect();
-        doubles.chunks_exact(3).map(DVec3::from_slice).collect()
+        let bytes = printed("rtrace", self.path(), &all, input.as_bytes());
+        doubles(&bytes).chunks_exact(3).map(DVec3::from_slice).collect()
     }
 
     /// Our reading of a scene text; its first material.

@@ -8,19 +8,7 @@ use std::process::{Command, Stdio};
 
 use bsdftree_device::Device;
 
-/// A program of Radiance, or `None` with a visible line: from the directory `RADIANCE_BIN`, or the pyradiance wheel of the
-/// repository's environment.
-pub fn radiance(program: &str) -> Option<PathBuf> {
-    let libraries = concat!(env!("CARGO_MANIFEST_DIR"), "/../../.venv/lib");
-    let environments = std::fs::read_dir(libraries).into_iter().flatten().flatten();
-    let wheels = environments.map(|python| python.path().join("site-packages/pyradiance/bin"));
-    let mut folders = std::env::var_os("RADIANCE_BIN").map(PathBuf::from).into_iter().chain(wheels);
-    let found = folders.find(|folder| folder.join(program).is_file()).map(|folder| folder.join(program));
-    if found.is_none() {
-        eprintln!("SKIPPED: no {program}; set RADIANCE_BIN, or pip install 'bsdftree[radiance]' in .venv");
-    }
-    found
-}
+pub use bsdftree_testing::radiance::program as radiance;
 
 /// What a program prints for a file of this text; its message if it fails.
 pub fn run(program: &PathBuf, text: &str) -> Result<String, String> {

@@ -3,11 +3,10 @@
 //! Specular parts: the surface lies in a glow that shines in the colour of its direction, so that a mean over our samples is one
 //! of directions. Directional functions: the surface is lit by a small distant source, the radiance being BSDF times cosine.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
 
 use bsdftree_device::{Device, ReadOptions, Unit};
+use bsdftree_testing::radiance::{doubles, printed, programs};
 use glam::DVec3;
 
 use super::function::{BrtdShading, FunctionShading};
@@ -16,38 +15,9 @@ use super::test_support::direction;
 use super::*;
 use crate::random::Random;
 
-/// The folder of Radiance's programs: `BSDFTREE_RADIANCE`, or that of pyradiance in `.venv`.
-fn programs() -> Option<PathBuf> {
-    let libraries = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../.venv/lib"));
-    let packages = || std::fs::read_dir(libraries).ok();
-    let ours = || packages()?.find_map(|p| Some(p.ok()?.path().join("site-packages/pyradiance/bin")));
-    let folder = std::env::var_os("BSDFTREE_RADIANCE").map(PathBuf::from).or_else(ours);
-    let folder = folder.filter(|folder| folder.join("rtrace").is_file());
-    if folder.is_none() {
-        eprintln!("SKIPPED: no rtrace; install pyradiance in .venv or set BSDFTREE_RADIANCE");
-    }
-    folder
-}
-
-fn run(programs: &Path, folder: &Path, program: &str, arguments: &[&str], input: &str) -> Vec<u8> {
-    let mut child = Command::new(programs.join(program))
-        .args(arguments)
-        .current_dir(folder)
-        .env("RAYPATH", format!(".:{}", programs.with_file_name("lib").display()))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    output.stdout
-}
-
 /// A material in the plane z = 0, and what is around it in Radiance.
 struct Scene {
-    programs: PathBuf,
+    programs: &'static Path,
     folder: tempfile::TempDir,
     /// Defines `m`.
     text: String,
@@ -72,7 +42,7 @@ impl Scene {
     fn rtrace(&self, around: &str, meetings: &[Meeting]) -> Vec<DVec3> {
         let plane = "m polygon p 0 0 12 -99 -99 0 99 -99 0 99 99 0 -99 99 0\n";
         std::fs::write(self.folder.path().join("s.rad"), format!("{}\n{plane}{around}", self.text)).unwrap();
-        let octree = run(&self.programs, self.folder.path(), "oconv", &["s.rad"], "");
+        let octree = printed("oconv", self.folder.path(), &["s.rad"], b"");
         std::fs::write(self.folder.path().join("s.oct"), octree).unwrap();
         let rays = meetings.iter().map(|m| {
             let (o, d) = (m.position - m.incoming, m.incoming);
@@ -81,10 +51,9 @@ impl Scene {
         let options = "-h -fad -ab 0 -dj 0 -dt 0 -dc 1 -ds 0 -st 0 -ss 0 -lr 8 -lw 1e-9 -ov s.oct"
             .split(' ')
             .collect::<Vec<_>>();
-        let bytes = run(&self.programs, self.folder.path(), "rtrace", &options, &rays.collect::<String>());
-        let doubles: Vec<f64> =
-            bytes.chunks_exact(8).map(|b| f64::from_ne_bytes(b.try_into().unwrap())).collect();
-        doubles.chunks_exact(3).map(DVec3::from_slice).collect()
+        let input: String = rays.collect();
+        let bytes = printed("rtrace", self.folder.path(), &options, input.as_bytes());
+        doubles(&bytes).chunks_exact(3).map(DVec3::from_slice).collect()
     }
 
     fn material(&self) -> Material {

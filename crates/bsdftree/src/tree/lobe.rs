@@ -27,12 +27,20 @@ impl Tree {
     /// The tree for light from `incident`; reversed: for light that this tree has arriving from everywhere and leaving to
     /// `incident`.
     pub fn lobe(&self, incident: Direction, reversed: bool) -> TreeLobe<'_> {
-        let cell = self.incident_cell(incident);
-        let slice = || self.slices.slice(&self.arena, cell);
+        let forward = || {
+            let cell = self.incident_cell(incident);
+            (self.slices.slice(&self.arena, cell), self.total(cell))
+        };
         TreeLobe(match (self.rank(), reversed) {
-            (Rank::Four, false) => Inner::Rank4(slice(), self.total(cell)),
+            (Rank::Four, false) => {
+                let (slice, total) = forward();
+                Inner::Rank4(slice, total)
+            }
             (Rank::Four, true) => return self.reversed().lobe(incident, false),
-            (Rank::Three, false) => Inner::Rank3(slice(), self.total(cell), azimuth(incident)),
+            (Rank::Three, false) => {
+                let (slice, total) = forward();
+                Inner::Rank3(slice, total, azimuth(incident))
+            }
             (Rank::Three, true) => {
                 let slice = self.rank3_reverse(incident[0].hypot(incident[1]).min(1.0));
                 Inner::Rank3Reverse(slice, incident[1].atan2(incident[0]))

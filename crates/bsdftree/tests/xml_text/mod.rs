@@ -1,7 +1,5 @@
-//! Files for the tests: the real ones, and small ones made of parts.
+//! Files for the tests: small ones made of parts.
 #![allow(dead_code)]
-
-use std::path::PathBuf;
 
 use bsdftree::xml::{Repair, Severity, Strictness, XmlError, read};
 use bsdftree::{Bsdf, Component, Matrix, Scattering, Tree};
@@ -10,20 +8,6 @@ pub const VISIBLE: &str = r#"<Wavelength unit="Integral">Visible</Wavelength>"#;
 pub const SHIRLEY_CHIU: &str = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>";
 pub const KLEMS_FULL: &str =
     "<ColumnAngleBasis>LBNL/Klems Full</ColumnAngleBasis><RowAngleBasis>LBNL/Klems Full</RowAngleBasis>";
-
-/// A real file, or a visible note that it is not here.
-pub fn real(path: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("BSDFTREE_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let path = folder.join(path);
-    if !path.exists() {
-        eprintln!("SKIPPED: {} is absent", path.display());
-        return None;
-    }
-    Some(path)
-}
 
 /// The whole file around the children of its layer.
 pub fn file_of_layer(layer: &str) -> String {

@@ -53,21 +53,24 @@ impl<S: Spectrum> Setup<S> {
         Sites::build(&self.scene, &self.device, &self.aperture, self.tile.as_ref(), fineness, 7).unwrap()
     }
 
+    fn walker<'a>(&'a self, sites: &'a Sites, seed: u64) -> Walker<'a, S> {
+        Walker {
+            scene: &self.scene,
+            sites,
+            entrance: &self.entrance,
+            tile: self.tile.as_ref(),
+            layout: &self.layout,
+            seed,
+            stratified: true,
+        }
+    }
+
     pub fn model(&self, fineness: Fineness, walks: u64, exchanged: u64) -> Modelled<S> {
         self.model_at(&self.sites(fineness), walks, exchanged)
     }
 
     pub fn model_at(&self, sites: &Sites, walks: u64, exchanged: u64) -> Modelled<S> {
-        let (tile, seed) = (self.tile.as_ref(), 11);
-        let walker = Walker {
-            scene: &self.scene,
-            sites,
-            entrance: &self.entrance,
-            tile,
-            layout: &self.layout,
-            seed,
-            stratified: true,
-        };
+        let walker = self.walker(sites, 11);
         let n = self.layout.n_exitant();
         let mut specular = [vec![0.0; 2 * n * n], vec![0.0; 2 * n * n]];
         let rows = [0, 1].map(|k| {
@@ -97,16 +100,7 @@ impl<S: Spectrum> Setup<S> {
 
     /// Rows of a side alone.
     pub fn rows(&self, sites: &Sites, side: Side, walks: u64, seed: u64) -> SideRows {
-        let tile = self.tile.as_ref();
-        let walker = Walker {
-            scene: &self.scene,
-            sites,
-            entrance: &self.entrance,
-            tile,
-            layout: &self.layout,
-            seed,
-            stratified: true,
-        };
+        let walker = self.walker(sites, seed);
         let rows: Vec<[Row; 2]> = (0..self.layout.n_incident())
             .into_par_iter()
             .map(|cell| {
@@ -121,16 +115,7 @@ impl<S: Spectrum> Setup<S> {
     }
 
     pub fn exchanged(&self, sites: &Sites, rows: [Option<SideRows>; 2], walks: u64, seed: u64) -> Model<S> {
-        let tile = self.tile.as_ref();
-        let walker = Walker {
-            scene: &self.scene,
-            sites,
-            entrance: &self.entrance,
-            tile,
-            layout: &self.layout,
-            seed,
-            stratified: true,
-        };
+        let walker = self.walker(sites, seed);
         Model::new(&walker, &self.layout, rows, walks)
     }
 
