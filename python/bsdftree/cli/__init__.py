@@ -6,6 +6,7 @@ import click
 
 from bsdftree import __version__
 from bsdftree.cli.check import check
+from bsdftree.cli.convert import convert
 from bsdftree.cli.eval import eval_
 from bsdftree.cli.genbsdf import genbsdf
 from bsdftree.cli.generate import generate
@@ -27,11 +28,12 @@ def main() -> None:
       bsdftree info blinds.xml                        what is in it
       bsdftree check blinds.xml                       does it obey physics
       bsdftree plot blinds.xml -o blinds.png          see it
+      bsdftree convert blinds.xml blinds.bsdft        write it in another format
 
     Data goes to standard output or to -o, progress to standard error. Exit code 0: done; 1: the input is bad
     (or a check is violated); 2: the command line is not understood.
     """
 
 
-for _verb in (generate, genbsdf, info, check, eval_, plot):
+for _verb in (generate, genbsdf, info, check, eval_, plot, convert):
     main.add_command(_verb)
