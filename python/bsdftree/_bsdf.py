@@ -459,15 +459,38 @@ class Bsdf:
         """Return the BSDF as WINDOW 6 XML."""
         return self._core.to_xml()
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the BSDF as WINDOW 6 XML, replacing the file only when it is complete.
+    def save(self, path: str | os.PathLike[str], *, packed: bool = False, level: int = 19) -> None:
+        """Write the BSDF, replacing the file only when it is complete.
+
+        Parameters
+        ----------
+        path
+            If it ends in ``.bsdft``, the binary twin of the XML is written, which holds the same to the last bit; else
+            WINDOW 6 XML.
+        packed
+            Compress a ``.bsdft`` file. It is smaller, but read as a whole, while others are opened at once, whatever
+            their size.
+        level
+            Of the compression, from 1 (fast) to 22 (small).
 
         Raises
         ------
         OSError
             If it cannot be written.
+        ValueError
+            If XML is to be packed, or there is no such level.
         """
-        self._core.write(os.fspath(path))
+        self._core.write(os.fspath(path), level if packed else None)
+
+    def verify(self) -> None:
+        """Look through all values of a ``.bsdft`` file, which :func:`load` does not do.
+
+        Raises
+        ------
+        ValueError
+            If the file is damaged; the message says where. Queries of it are safe, but their answers are worth nothing.
+        """
+        self._core.verify()
 
     def __repr__(self) -> str:
         parts = ", ".join(f"{key}: {component!r}" for key, component in self.components.items()) if self.bands else ""
@@ -475,12 +498,13 @@ class Bsdf:
 
 
 def load(path: str | os.PathLike[str], strict: bool = True) -> Bsdf:
-    """Read a BSDF from WINDOW 6 XML: tensor trees or Klems matrices.
+    """Read a BSDF, tensor trees or Klems matrices, from WINDOW 6 XML or its binary twin, ``.bsdft``.
 
     Parameters
     ----------
     path
-        The file.
+        The file; its first bytes say what it is. A ``.bsdft`` file that is not packed is mapped: it is open at once
+        whatever its size, must not be changed while it is in use, and :meth:`Bsdf.verify` looks through it.
     strict
         Whether to refuse what would be lost or reinterpreted silently. Otherwise it is mended, and ``repairs`` of the
         result says what was done.

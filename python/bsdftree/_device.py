@@ -226,8 +226,8 @@ def family_of(device: str | os.PathLike[str]) -> str | None:
 
 
 def format_of(path: str | os.PathLike[str]) -> str:
-    """Return what kind of file a name says that it is; ``rad``, a Radiance scene, if it says nothing known."""
-    ending = os.path.splitext(os.fspath(path))[1].lower().lstrip(".")
+    """Return the kind of file that a name says: ``rad``, a Radiance scene, if nothing known; ``xml`` for any BSDF."""
+    ending = os.path.splitext(os.fspath(path))[1].lower().lstrip(".").replace("bsdft", "xml")
     return ending if ending in FORMATS else "rad"
 
 

@@ -65,13 +65,18 @@ typedef struct bsdftree_direction_sample {
 /* "0.1.0" */
 const char *bsdftree_version(void);
 
-/* Reads a BSDF file (WINDOW 6 XML, Klems matrices or tensor trees). On success *out is the BSDF, to be freed; else it is NULL, and
+/* Reads a BSDF file: Klems matrices or tensor trees, as WINDOW 6 XML or .bsdft, told apart by their first bytes. A raw .bsdft file is
+   mapped, must not be changed while it is in use, and is verified by bsdftree_verify only. On success *out is the BSDF, to be freed; else it is NULL, and
    message (or NULL) holds at most size bytes of what is wrong, where, and what to do, ended by 0. */
 bsdftree_status bsdftree_load(const char *path, unsigned flags, bsdftree **out, char *message, size_t size);
 
 /* The same from the bytes of a file in memory, which need not outlive the call. */
 bsdftree_status bsdftree_load_memory(const void *bytes, size_t n_bytes, unsigned flags, bsdftree **out, char *message,
                                      size_t size);
+
+/* Looks through the values of a .bsdft file, which loading does not do; those of XML always are as they were written. Queries of a
+   damaged file are safe, but their answers are worth nothing. */
+bsdftree_status bsdftree_verify(const bsdftree *bsdf, char *message, size_t size);
 
 /* Frees a BSDF (or NULL) and its bands. */
 void bsdftree_free(bsdftree *bsdf);

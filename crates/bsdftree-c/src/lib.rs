@@ -7,7 +7,8 @@ use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::slice;
 
-use bsdftree::xml::{self, Fault, Strictness, XmlError};
+use bsdftree::file::{self, FileError};
+use bsdftree::xml::Strictness;
 use bsdftree::{Band, Bsdf, Direction, Lobes, Sample};
 
 /// `BSDFTREE_REPAIR`.
@@ -84,7 +85,7 @@ pub unsafe extern "C" fn bsdftree_load(
             }
             let path = CStr::from_ptr(path).to_str();
             let path = path.map_err(|e| (Status::Argument, format!("the path is not UTF-8: {e}")))?;
-            xml::read_file(path, strictness(flags)).map_err(refused)
+            file::read(path, strictness(flags)).map_err(refused)
         })
     }
 }
@@ -108,7 +109,7 @@ pub unsafe extern "C" fn bsdftree_load_memory(
             if bytes.is_null() {
                 return Err((Status::Argument, "the bytes are NULL".to_owned()));
             }
-            xml::read(slice::from_raw_parts(bytes.cast(), n_bytes), strictness(flags)).map_err(refused)
+            file::read_bytes(slice::from_raw_parts(bytes.cast(), n_bytes), strictness(flags)).map_err(refused)
         })
     }
 }
@@ -117,8 +118,8 @@ fn strictness(flags: c_uint) -> Strictness {
     if flags & REPAIR != 0 { Strictness::Repair } else { Strictness::Strict }
 }
 
-fn refused(error: XmlError) -> (Status, String) {
-    let status = if matches!(error.fault, Fault::Unreadable(_)) { Status::File } else { Status::Format };
+fn refused(error: FileError) -> (Status, String) {
+    let status = if error.io().is_some() { Status::File } else { Status::Format };
     (status, error.to_string())
 }
 
@@ -151,6 +152,27 @@ unsafe fn finish<R>(
         };
         tell(&problem.1, message, size);
         problem.0
+    }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says of its pointers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bsdftree_verify(bsdf: *const Bsdf, message: *mut c_char, size: usize) -> Status {
+    // SAFETY: the header's contract.
+    unsafe {
+        match (*bsdf).verify() {
+            Ok(()) => {
+                tell("", message, size);
+                Status::Ok
+            }
+            Err(damage) => {
+                tell(&damage.to_string(), message, size);
+                Status::Format
+            }
+        }
     }
 }
 

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use bsdftree::binary::Packing;
 use bsdftree::bsdf::LengthUnit;
-use bsdftree::xml::{self, Fault, Strictness};
+use bsdftree::file;
+use bsdftree::xml::{self, Strictness};
 use bsdftree::{Band, Direction, Geometry, Header, Lobes, Part, Sample};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -84,16 +86,16 @@ impl Bsdf {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, strict: bool) -> PyResult<Bsdf> {
         let strictness = if strict { Strictness::Strict } else { Strictness::Repair };
-        py.detach(|| match xml::read_file(&path, strictness) {
+        py.detach(|| match file::read(&path, strictness) {
             Ok((bsdf, repairs)) => {
                 Ok(Bsdf { bsdf, repairs: repairs.iter().map(ToString::to_string).collect() })
             }
-            Err(error) => Err(match &error.fault {
+            Err(error) => Err(match error.io().and_then(|e| Some((e.raw_os_error()?, e.kind()))) {
                 // Python turns the number into FileNotFoundError and its like.
-                Fault::Unreadable(e) if e.raw_os_error().is_some() => {
-                    PyOSError::new_err((e.raw_os_error(), e.kind().to_string(), path.display().to_string()))
+                Some((number, kind)) => {
+                    PyOSError::new_err((number, kind.to_string(), path.display().to_string()))
                 }
-                _ => PyValueError::new_err(error.to_string()),
+                None => PyValueError::new_err(error.to_string()),
             }),
         })
     }
@@ -105,8 +107,24 @@ impl Bsdf {
         String::from_utf8(text).map_err(|e| PyValueError::new_err(e.to_string()))
     }
 
-    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        py.detach(|| xml::write_file(&self.bsdf, &path)).map_err(|e| PyOSError::new_err(e.to_string()))
+    /// XML or `.bsdft` by the name's ending; the latter packed at a level, if there is one.
+    fn write(&self, py: Python<'_>, path: PathBuf, level: Option<u8>) -> PyResult<()> {
+        if level.is_some_and(|level| !(1..=22).contains(&level)) {
+            return Err(PyValueError::new_err(format!("level is {}; expected 1 to 22", level.unwrap_or(0))));
+        }
+        if level.is_some() && !file::is_binary_name(&path) {
+            let path = path.display();
+            return Err(PyValueError::new_err(format!(
+                "{path}: only files that end in .bsdft can be packed"
+            )));
+        }
+        let packing = level.map_or(Packing::Raw, Packing::Packed);
+        py.detach(|| file::write(&self.bsdf, &path, packing)).map_err(|e| PyOSError::new_err(e.to_string()))
+    }
+
+    /// Looks through values of a file that were not looked at when it was opened.
+    fn verify(&self, py: Python<'_>) -> PyResult<()> {
+        py.detach(|| self.bsdf.verify()).map_err(crate::value_error)
     }
 
     #[getter]

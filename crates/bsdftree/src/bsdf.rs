@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use thiserror::Error;
+
 use crate::direction::{Direction, Side};
 use crate::klems::{Matrix, MatrixLobe};
 use crate::tree::{Rank, Tree, TreeLobe};
@@ -107,6 +109,11 @@ impl Component {
     /// A component without colour.
     pub fn grey(luminance: Scattering) -> Component {
         Component { luminance, chroma: None }
+    }
+
+    /// Luminance, and chroma if it has colour.
+    pub fn functions(&self) -> impl Iterator<Item = &Scattering> {
+        std::iter::once(&self.luminance).chain(self.chroma.iter().flatten())
     }
 }
 
@@ -270,6 +277,49 @@ impl Bsdf {
         });
         &mut self.bands[index]
     }
+
+    /// Looks through all values of a file that was opened without doing so ([`binary::open`](crate::binary::open)). Queries answer
+    /// in any case; where links of a tree are damaged, sums and samples are black.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn verify(&self) -> Result<(), Damage> {
+        self.bands.iter().try_for_each(Band::verify)
+    }
+}
+
+/// Values of a file that was opened without looking at them are not those that were written.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error(
+    "byte {offset}: found {found} in {part} of the band {band}; the file is damaged, so copy or make it again",
+    part = part.file_name()
+)]
+pub struct Damage {
+    /// Bytes of the file before the first fault.
+    pub offset: u64,
+    /// What is there.
+    pub found: String,
+    /// The component that it belongs to.
+    pub part: Part,
+    /// The band of that.
+    pub band: String,
+}
+
+impl Band {
+    /// Looks through all values of a file that was opened without doing so, as [`Bsdf::verify`] does.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn verify(&self) -> Result<(), Damage> {
+        for (part, component) in self.components() {
+            for function in component.functions() {
+                if let Some((offset, found)) = function.fault() {
+                    return Err(Damage { offset, found, part, band: self.name.clone() });
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 impl Scattering {
@@ -398,6 +448,14 @@ impl Scattering {
                 a.incident() == b.incident() && a.exitant() == b.exitant()
             }
             _ => false,
+        }
+    }
+
+    /// What is wrong with values of a file that was opened without looking at them, and at which byte.
+    pub fn fault(&self) -> Option<(u64, String)> {
+        match self {
+            Scattering::Tree(tree) => tree.arena().fault(),
+            Scattering::Matrix(matrix) => matrix.fault(),
         }
     }
 

@@ -88,6 +88,10 @@ pub fn check(bsdf: &Bsdf, tolerance: Tolerance) -> Vec<BandCheck> {
 }
 
 fn check_band(band: &Band, tolerance: Tolerance) -> BandCheck {
+    if let Err(damage) = band.verify() {
+        let findings = vec![violation(damage.to_string())];
+        return BandCheck { band: band.name.clone(), energy: Vec::new(), reciprocity: Vec::new(), findings };
+    }
     let mut findings = Vec::new();
     let energy: Vec<_> =
         [Side::Front, Side::Back].into_iter().filter_map(|side| energy(band, side)).collect();

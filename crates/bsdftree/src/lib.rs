@@ -31,7 +31,7 @@
 //!
 //! | Radiance's BSDF library | here |
 //! |---|---|
-//! | `SDloadFile` | [`xml::read_file`] |
+//! | `SDloadFile` | [`file::read`]: XML ([`xml`]) or the binary twin ([`binary`]) |
 //! | `SDevalBSDF` | [`Band::eval`], [`Band::eval_xyz`] |
 //! | `SDsampBSDF` | [`Band::sample`], with its density [`Band::pdf`] |
 //! | `SDdirectHemi` | [`Band::hemispherical`] |
@@ -39,6 +39,7 @@
 //! | `SDsizeBSDF` | [`Band::projected_solid_angle`], [`Band::projected_solid_angle_range`] |
 //! | the extracted Lambertian part | [`Scattering::lambertian`] |
 
+mod shared;
 pub mod direction;
 pub mod square;
 pub mod hilbert;
@@ -52,9 +53,12 @@ pub mod query;
 mod many;
 pub mod check;
 pub mod peaks;
+mod whole_file;
 pub mod xml;
+pub mod binary;
+pub mod file;
 
-pub use bsdf::{Band, Bsdf, Component, Geometry, Header, LengthUnit, Part, Scattering};
+pub use bsdf::{Band, Bsdf, Component, Damage, Geometry, Header, LengthUnit, Part, Scattering};
 pub use cell::Cell;
 pub use direction::{Direction, Side};
 pub use klems::{Basis, Matrix};

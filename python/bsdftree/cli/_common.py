@@ -45,8 +45,12 @@ def with_input_errors(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def read(path: str, repair: bool) -> Bsdf:
-    """Read a BSDF; say on standard error what was repaired."""
+    """Read a BSDF and verify it; say on standard error what was repaired."""
     bsdf = load(path, strict=not repair)
+    try:
+        bsdf.verify()
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     for repaired in bsdf.repairs:
         click.echo(f"{path}: {repaired}", err=True)
     return bsdf

@@ -7,7 +7,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use bsdftree::xml::{self, Severity, Strictness, XmlError};
+use bsdftree::file;
+use bsdftree::xml::{Severity, Strictness};
 use bsdftree::{Band, Bsdf, Lobes, Rank, Scattering, Side};
 use glam::DVec3;
 
@@ -55,7 +56,7 @@ impl BsdfFile {
     pub fn parse(bytes: &[u8], file: File) -> Result<(BsdfFile, Vec<String>), String> {
         let path = &file.path;
         let (bsdf, repairs) =
-            xml::read(bytes, Strictness::Repair).map_err(|e: XmlError| format!("{path}: {e}"))?;
+            file::read_bytes(bytes, Strictness::Repair).map_err(|e| format!("{path}: {e}"))?;
         let repairs = repairs.iter().filter(|repair| repair.severity == Severity::Repair);
         let mut notices: Vec<String> = repairs.map(|repair| format!("{path}: {repair}")).collect();
         let Some(band) = bsdf.bands.iter().position(|band| band.name.eq_ignore_ascii_case(BAND)) else {

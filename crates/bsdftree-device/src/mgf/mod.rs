@@ -35,7 +35,8 @@ pub use write::Mgf;
 use std::path::{Path, PathBuf};
 
 use bsdftree::bsdf::{Geometry, LengthUnit};
-use bsdftree::xml::{Strictness, read_file};
+use bsdftree::file;
+use bsdftree::xml::Strictness;
 
 use crate::device::Device;
 use crate::error::DeviceError;
@@ -121,7 +122,7 @@ impl Device {
         options: impl Into<ReadOptions>,
     ) -> Result<Option<Device>, DeviceError> {
         let wrong = |reason: String| DeviceError::File { path: path.to_owned(), named_at: None, reason };
-        let (bsdf, _) = read_file(path, Strictness::Repair).map_err(|e| wrong(e.to_string()))?;
+        let (bsdf, _) = file::read(path, Strictness::Repair).map_err(|e| wrong(e.to_string()))?;
         bsdf.header.geometry.map(|geometry| Device::from_bsdf_geometry(&geometry, options)).transpose()
     }
 }

@@ -9,13 +9,16 @@ use crate::cumulative::Cumulative;
 use crate::direction::Direction;
 use crate::hilbert::unfold;
 use crate::klems::Basis;
+use crate::shared::Shared;
 
 /// A BSDF component over patches. Values are \[1/sr\], without a cosine.
 pub struct Matrix {
     incident: Arc<Basis>,
     exitant: Arc<Basis>,
-    /// One row of exitant patches per incident patch.
-    values: Vec<f32>,
+    /// One row of exitant patches per incident patch; those of a file may be any numbers.
+    values: Shared<f32>,
+    /// The same when they have been looked through; zeros if one is no BSDF's.
+    checked: OnceLock<Shared<f32>>,
     /// For each incident patch, its exitant patches; and the other way round.
     cumulative: [OnceLock<Vec<Cumulative>>; 2],
 }
@@ -33,14 +36,44 @@ impl Matrix {
                 values.len()
             ));
         }
-        if let Some(k) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+        if let Some(k) = values.iter().position(|&v| !is_legal(v)) {
             let (i, o) = (k / columns, k % columns);
             return Err(format!(
                 "value {} at incident patch {i}, exitant patch {o} is not a finite number ≥ 0",
                 values[k]
             ));
         }
-        Ok(Matrix { incident, exitant, values, cumulative: [const { OnceLock::new() }; 2] })
+        let values = Shared::from(values);
+        let checked = values.clone().into();
+        Ok(Matrix { incident, exitant, values, checked, cumulative: [const { OnceLock::new() }; 2] })
+    }
+
+    /// The matrix of a file. Nothing is looked at but how many values there are: `None` if that is not as many as the bases say.
+    pub(crate) fn unchecked(
+        incident: Arc<Basis>,
+        exitant: Arc<Basis>,
+        values: Shared<f32>,
+    ) -> Option<Matrix> {
+        let (checked, cumulative) = (OnceLock::new(), [const { OnceLock::new() }; 2]);
+        (values.len() == incident.n_patches() * exitant.n_patches()).then_some(Matrix {
+            incident,
+            exitant,
+            values,
+            checked,
+            cumulative,
+        })
+    }
+
+    /// What is wrong with a matrix of a file, and at which byte: a value or the checksum. Nothing is, with others.
+    pub fn fault(&self) -> Option<(u64, String)> {
+        let offset = self.values.stretch()?.offset() as u64;
+        let wrong = self.values.iter().position(|&value| !is_legal(value));
+        let wrong = wrong.map(|k| {
+            (offset + 4 * k as u64, format!("the value {}, which is not a finite number ≥ 0", self.values[k]))
+        });
+        wrong.or_else(|| {
+            (!self.values.is_as_written()).then(|| (offset, "values other than were written".into()))
+        })
     }
 
     /// The basis of incident directions.
@@ -53,9 +86,13 @@ impl Matrix {
         &self.exitant
     }
 
-    /// The values \[1/sr\], one row of exitant patches per incident patch.
+    /// The values \[1/sr\], one row of exitant patches per incident patch; all 0 if the file they come from is damaged
+    /// ([`Matrix::fault`]).
     pub fn values(&self) -> &[f32] {
-        &self.values
+        self.checked.get_or_init(|| match self.values.iter().all(|&value| is_legal(value)) {
+            true => self.values.clone(),
+            false => vec![0.0; self.values.len()].into(),
+        })
     }
 
     /// Incident and exitant patch of a pair of directions.
@@ -66,7 +103,8 @@ impl Matrix {
     /// The BSDF \[1/sr\] for light from `incident` to `exitant`; which sides they lie on does not matter here.
     pub fn eval(&self, incident: Direction, exitant: Direction) -> f64 {
         let [i, o] = self.patches(incident, exitant);
-        f64::from(self.values[i * self.exitant.n_patches() + o])
+        let value = self.values[i * self.exitant.n_patches() + o];
+        if is_legal(value) { f64::from(value) } else { 0.0 }
     }
 
     /// The matrix for light from `incident`; reversed as [`Tree::lobe`](crate::tree::Tree::lobe).
@@ -95,22 +133,22 @@ impl Matrix {
 
     /// Smallest value \[1/sr\].
     pub fn minimum(&self) -> f32 {
-        self.values.iter().copied().fold(f32::INFINITY, f32::min)
+        self.values().iter().copied().fold(f32::INFINITY, f32::min)
     }
 
     /// Cumulative sums of each incident patch over the exitant ones, or the other way round.
     fn cumulative(&self, reversed: bool) -> &[Cumulative] {
-        let n_exitant = self.exitant.n_patches();
+        let (values, n_exitant) = (self.values(), self.exitant.n_patches());
         self.cumulative[usize::from(reversed)].get_or_init(|| {
             if reversed {
                 let areas = areas(&self.incident);
-                let weight = |i: usize, o: usize| f64::from(self.values[i * n_exitant + o]) * areas[i];
+                let weight = |i: usize, o: usize| f64::from(values[i * n_exitant + o]) * areas[i];
                 (0..n_exitant).map(|o| Cumulative::new((0..areas.len()).map(|i| weight(i, o)))).collect()
             } else {
                 let areas = areas(&self.exitant);
                 let row =
                     |row: &[f32]| Cumulative::new(row.iter().zip(&areas).map(|(&f, a)| f64::from(f) * a));
-                self.values.chunks_exact(n_exitant).map(row).collect()
+                values.chunks_exact(n_exitant).map(row).collect()
             }
         })
     }
@@ -138,10 +176,10 @@ impl MatrixLobe<'_> {
         let matrix = self.matrix;
         let n_exitant = matrix.exitant.n_patches();
         Some(if self.reversed {
-            let value = matrix.values[patch * n_exitant + self.patch];
+            let value = matrix.values()[patch * n_exitant + self.patch];
             (matrix.incident.disk_point(patch, u, v).map(|c| -c), f64::from(value))
         } else {
-            let value = matrix.values[self.patch * n_exitant + patch];
+            let value = matrix.values()[self.patch * n_exitant + patch];
             (matrix.exitant.disk_point(patch, u, v), f64::from(value))
         })
     }
@@ -149,6 +187,11 @@ impl MatrixLobe<'_> {
 
 fn areas(basis: &Basis) -> Vec<f64> {
     (0..basis.n_patches()).map(|k| basis.projected_solid_angle(k)).collect()
+}
+
+/// Whether a BSDF may have it.
+fn is_legal(value: f32) -> bool {
+    (0.0..f32::INFINITY).contains(&value)
 }
 
 /// Turned by 180° about the normal.
@@ -162,6 +205,7 @@ impl Clone for Matrix {
             incident: Arc::clone(&self.incident),
             exitant: Arc::clone(&self.exitant),
             values: self.values.clone(),
+            checked: self.checked.clone(),
             cumulative: [const { OnceLock::new() }; 2],
         }
     }

@@ -3,9 +3,18 @@
 //! A BSDF value is never negative, so the sign bit of a slot tells a leaf (clear: the bits of an `f32`) from an
 //! inner node (set: the index of the node that holds its children). A rank-4 node is 16 slots, one cache line;
 //! a rank-3 node is half a line. Bit i of a child's number is its half along dimension i, as in the file.
+//!
+//! An arena may be that of a mapped file, which nobody has looked through: its links may lead anywhere. Single look-ups
+//! bound the index and the depth, and give some number or other. Whoever walks over a tree begins at [`Arena::root`], which looks
+//! through all slots first, once, and is a black leaf if a link is wrong.
+
+use std::sync::OnceLock;
 
 use bytemuck::{Pod, Zeroable};
 use thiserror::Error;
+
+use crate::shared::Shared;
+use crate::tree::level_order;
 
 /// Deepest subdivision: 2^15 cells per axis.
 pub const MAX_LOG2_RES: u32 = 15;
@@ -51,6 +60,16 @@ pub enum Content {
 impl Slot {
     const NODE: u32 = 1 << 31;
 
+    /// A link to a node.
+    pub(crate) fn link(node: u32) -> Slot {
+        Slot(node | Slot::NODE)
+    }
+
+    /// Whether it is a leaf of a number that a BSDF may have, or a link.
+    pub(super) fn is_legal(self) -> bool {
+        self.0 & Self::NODE != 0 || f32::from_bits(self.0).is_finite()
+    }
+
     /// A leaf. Negative zero becomes zero.
     ///
     /// # Panics
@@ -80,7 +99,7 @@ impl std::fmt::Debug for Slot {
 /// A cache line of slots.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
-struct Line([Slot; 16]);
+pub(crate) struct Line([Slot; 16]);
 
 /// A tree that cannot be built.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -111,17 +130,37 @@ pub enum TreeError {
     },
 }
 
-/// The arena of a finished tree.
+/// The arena of a finished tree. A copy shares the slots.
 #[derive(Clone)]
 pub struct Arena {
     rank: Rank,
     log2_res: u32,
     n_nodes: u32,
-    lines: Vec<Line>,
-    root: Slot,
+    lines: Shared<Line>,
+    top: Slot,
+    /// Whether links and values are as they must be; not known yet of a file.
+    is_sound: OnceLock<bool>,
 }
 
 impl Arena {
+    /// The arena of a file: nodes level by level ([`level_order`](mod@super::level_order)), the root first, or a single leaf.
+    /// Nothing is looked at but how many there are: `None` if they are too few, or `log2_res` is over [`MAX_LOG2_RES`].
+    pub(crate) fn unchecked(
+        rank: Rank,
+        log2_res: u32,
+        n_nodes: u32,
+        leaf: f32,
+        lines: Shared<Line>,
+    ) -> Option<Arena> {
+        let n_slots = n_nodes as usize * rank.n_children();
+        if lines.len() != n_slots.div_ceil(16) || log2_res > MAX_LOG2_RES || (log2_res == 0) != (n_nodes == 0)
+        {
+            return None;
+        }
+        let top = if n_nodes == 0 { Slot(leaf.to_bits()) } else { Slot::link(0) };
+        top.is_legal().then(|| Arena { rank, log2_res, n_nodes, lines, top, is_sound: OnceLock::new() })
+    }
+
     /// How many dimensions it has.
     #[inline]
     pub fn rank(&self) -> Rank {
@@ -134,10 +173,34 @@ impl Arena {
         self.log2_res
     }
 
-    /// The whole domain.
-    #[inline]
+    /// The whole domain, to walk from: no link below it leads to where another one does. A black leaf if the file it comes from is
+    /// damaged ([`Arena::fault`]).
     pub fn root(&self) -> Slot {
-        self.root
+        match *self.is_sound.get_or_init(|| self.links_fault().is_none()) {
+            true => self.top,
+            false => Slot(0),
+        }
+    }
+
+    /// The whole domain, for a look-up that goes down no further than [`Arena::log2_res`].
+    #[inline]
+    pub(super) fn top(&self) -> Slot {
+        self.top
+    }
+
+    /// What is wrong with a tree of a file, and at which byte: a link, a value or the checksum. Nothing is, with others.
+    pub fn fault(&self) -> Option<(u64, String)> {
+        let offset = self.lines.stretch()?.offset() as u64;
+        let wrong = self.links_fault().map(|(slot, what)| (offset + 4 * slot as u64, what));
+        wrong.or_else(|| {
+            (!self.lines.is_as_written()).then(|| (offset, "values other than were written".into()))
+        })
+    }
+
+    /// The slot at which a link, a value or the number of levels is wrong, and what.
+    pub(crate) fn links_fault(&self) -> Option<(usize, String)> {
+        let slots = &self.slots()[..self.n_nodes() * self.rank.n_children()];
+        level_order::fault(slots, self.rank, self.log2_res)
     }
 
     /// The children of a node, 2^rank of them.
@@ -147,10 +210,11 @@ impl Arena {
         &self.slots()[node as usize * n..][..n]
     }
 
-    /// One child of a node.
+    /// One child of a node; a black leaf if there is no such node.
     #[inline]
     pub fn child(&self, node: u32, child: usize) -> Slot {
-        self.slots()[(node as usize) << self.rank.dimensions() | child]
+        let index = (node as usize) << self.rank.dimensions() | child;
+        self.slots().get(index).copied().unwrap_or(Slot(0))
     }
 
     /// All slots, node after node.
@@ -171,7 +235,7 @@ impl Arena {
 
     /// Memory of the arena \[byte\].
     pub fn n_bytes(&self) -> usize {
-        std::mem::size_of_val(self.lines.as_slice())
+        std::mem::size_of_val(&*self.lines)
     }
 }
 
@@ -208,7 +272,7 @@ impl TreeBuilder {
         }
         bytemuck::cast_slice_mut::<Line, Slot>(&mut self.lines)[first..first + n].copy_from_slice(children);
         self.depths.push(depth as u8);
-        Ok(Slot(node | Slot::NODE))
+        Ok(Slot::link(node))
     }
 
     /// As [`TreeBuilder::node`], but children that are all leaves of one value become that leaf.
@@ -261,6 +325,7 @@ impl TreeBuilder {
     /// The arena under `root`.
     pub fn finish(self, root: Slot) -> Arena {
         let n_nodes = self.depths.len() as u32;
-        Arena { rank: self.rank, log2_res: self.depth(root), n_nodes, lines: self.lines, root }
+        let (log2_res, lines) = (self.depth(root), self.lines.into());
+        Arena { rank: self.rank, log2_res, n_nodes, lines, top: root, is_sound: true.into() }
     }
 }

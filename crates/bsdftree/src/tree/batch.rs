@@ -40,7 +40,7 @@ fn eval(arena: &Arena, incident: &[Direction], exitant: &[Direction], values: &m
     let mut cells = [[0; BLOCK]; 4];
     for_blocks(incident, exitant, values, |incident, exitant, values| {
         places(arena, incident, exitant, &mut cells);
-        let mut slots = [arena.root(); BLOCK];
+        let mut slots = [arena.top(); BLOCK];
         for level in (0..arena.log2_res()).rev() {
             for (k, slot) in slots.iter_mut().enumerate() {
                 if let Content::Node(node) = slot.content() {
@@ -57,7 +57,8 @@ fn eval(arena: &Arena, incident: &[Direction], exitant: &[Direction], values: &m
 fn leaf(slot: Slot) -> f64 {
     match slot.content() {
         Content::Leaf(value) => f64::from(value),
-        Content::Node(_) => unreachable!("no leaf is deeper than the tree"),
+        // Only in a damaged file.
+        Content::Node(_) => 0.0,
     }
 }
 
@@ -171,7 +172,8 @@ mod avx2 {
     unsafe fn leaves<const RANK: usize>(arena: &Arena, cells: &Cells, values: &mut [f64; BLOCK]) {
         let base = arena.slots().as_ptr().cast::<i32>();
         let one = _mm256_set1_epi32(1);
-        let mut slots = [_mm256_set1_epi32(bytemuck::cast::<Slot, i32>(arena.root())); VECTORS];
+        let last = _mm256_set1_epi32(arena.slots().len().saturating_sub(1) as i32);
+        let mut slots = [_mm256_set1_epi32(bytemuck::cast::<Slot, i32>(arena.top())); VECTORS];
         for level in (0..arena.log2_res()).rev() {
             let all =
                 _mm256_or_si256(_mm256_or_si256(slots[0], slots[1]), _mm256_or_si256(slots[2], slots[3]));
@@ -190,12 +192,15 @@ mod avx2 {
                     index =
                         _mm256_or_si256(index, _mm256_sll_epi32(bit, _mm_cvtsi32_si128(dimension as i32)));
                 }
-                // SAFETY: lanes of nodes only are read, whose children the arena holds.
+                // Nobody may have looked at the links of a file.
+                let index = _mm256_min_epu32(index, last);
+                // SAFETY: lanes of nodes only are read, at slots of the arena, which has some if there is a node.
                 *slot = unsafe { _mm256_mask_i32gather_epi32::<4>(*slot, base, index, *slot) };
             }
         }
         for (v, slot) in slots.into_iter().enumerate() {
-            let leaf = _mm256_castsi256_ps(slot);
+            // No node is left but in a damaged file: 0 for it.
+            let leaf = _mm256_castsi256_ps(_mm256_andnot_si256(_mm256_srai_epi32::<31>(slot), slot));
             let (low, high) = (_mm256_castps256_ps128(leaf), _mm256_extractf128_ps::<1>(leaf));
             // SAFETY: vectors within the block.
             unsafe {

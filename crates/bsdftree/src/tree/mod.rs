@@ -4,6 +4,7 @@
 //! for pairs of directions. Reversed queries ask for light travelling the other way.
 
 pub mod arena;
+pub(crate) mod level_order;
 mod coordinates;
 mod slice;
 mod totals;
@@ -112,9 +113,8 @@ impl Tree {
     #[inline]
     pub fn leaf_at(&self, Position(p): Position) -> (f32, u32) {
         let dimensions = self.rank().dimensions();
-        let mut slot = self.arena.root();
-        let mut level = 0;
-        loop {
+        let mut slot = self.arena.top();
+        for level in 0..=self.arena.log2_res() {
             match slot.content() {
                 Content::Leaf(value) => return (value, level),
                 Content::Node(node) => {
@@ -122,10 +122,11 @@ impl Tree {
                     let bit = |i: usize| ((p[i] >> shift & 1) as usize) << i;
                     let child = bit(0) | bit(1) | bit(2) | if dimensions == 4 { bit(3) } else { 0 };
                     slot = self.arena.child(node, child);
-                    level += 1;
                 }
             }
         }
+        // Only in a damaged file.
+        (0.0, self.arena.log2_res())
     }
 
     /// The BSDF \[1/sr\] for light from `incident` to `exitant`; which sides they lie on does not matter here.

@@ -82,7 +82,7 @@ impl XmlError {
         self
     }
 
-    pub(super) fn in_file(mut self, path: &Path) -> XmlError {
+    pub(crate) fn in_file(mut self, path: &Path) -> XmlError {
         self.path = Some(path.to_owned());
         self
     }

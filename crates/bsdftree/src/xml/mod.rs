@@ -71,10 +71,12 @@ pub fn read(bytes: &[u8], strictness: Strictness) -> Result<(Bsdf, Vec<Repair>),
 /// As [`read`], and if the file cannot be read.
 pub fn read_file(path: impl AsRef<Path>, strictness: Strictness) -> Result<(Bsdf, Vec<Repair>), XmlError> {
     let path = path.as_ref();
-    std::fs::read(path)
-        .map_err(|error| XmlError::new(0, Fault::Unreadable(error)))
-        .and_then(|bytes| read(&bytes, strictness))
-        .map_err(|error| error.in_file(path))
+    read(&read_bytes(path)?, strictness).map_err(|error| error.in_file(path))
+}
+
+/// The bytes of a file.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, XmlError> {
+    std::fs::read(path).map_err(|error| XmlError::new(0, Fault::Unreadable(error)).in_file(path))
 }
 
 /// The tree in a text of nested braces, as inside `ScatteringData` and as `rttree_reduce` prints it. Values \[1/sr\].

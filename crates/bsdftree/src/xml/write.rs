@@ -3,17 +3,16 @@
 //! Exact: reading the file again gives the same values, structure and header. Deviation: the digits are as many as an `f32`
 //! needs, not a fixed number.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use thiserror::Error;
 
 use super::write_values::{write_matrix, write_tree};
-use crate::bsdf::{Bsdf, Component, Header, LengthUnit, Part, Scattering};
+use crate::bsdf::{Bsdf, Component, Damage, Header, LengthUnit, Part, Scattering};
 use crate::klems::Basis;
+use crate::whole_file;
 
 /// A BSDF that cannot be written.
 #[derive(Debug, Error)]
@@ -33,6 +32,9 @@ pub enum WriteError {
     /// Infinite: no text for it.
     #[error("{0} has a value that is not finite; correct it first")]
     NotFinite(&'static str),
+    /// Values that were damaged in the file they come from.
+    #[error("{0}")]
+    Damaged(#[from] Damage),
     /// A file, with the reason.
     #[error("{path}: {error}")]
     File {
@@ -52,6 +54,7 @@ const ORDER: [Part; 4] =
 /// # Errors
 /// If it has no component, mixes kinds of components, holds an infinite value, or `out` refuses.
 pub fn write(bsdf: &Bsdf, out: &mut impl Write) -> Result<(), WriteError> {
+    bsdf.verify()?;
     let structure = structure(bsdf)?;
     let bases = bases(bsdf)?;
     let mut out = BufWriter::with_capacity(1 << 16, out);
@@ -90,39 +93,12 @@ pub fn write(bsdf: &Bsdf, out: &mut impl Write) -> Result<(), WriteError> {
 pub fn write_file(bsdf: &Bsdf, path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     let named = |error| WriteError::File { path: path.display().to_string(), error: Box::new(error) };
-    // A path that leads nowhere yet is its own target.
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    if target.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir()) {
-        let direct = || write(bsdf, &mut File::options().write(true).open(&target)?);
-        return direct().map_err(named);
-    }
-    let temporary = temporary_beside(&target);
-    let written = || -> Result<(), WriteError> {
-        let mut file = File::create_new(&temporary)?;
-        write(bsdf, &mut file)?;
-        file.sync_all()?;
-        std::fs::rename(&temporary, &target)?;
-        Ok(())
-    };
-    written().map_err(|error| {
-        // Nothing more can be done if this fails too; the first error is the one to tell.
-        let _ = std::fs::remove_file(&temporary);
-        named(error)
-    })
-}
-
-/// A name in the same folder that no other writer uses.
-fn temporary_beside(target: &Path) -> PathBuf {
-    static COUNT: AtomicU64 = AtomicU64::new(0);
-    let mut name = std::ffi::OsString::from(".");
-    name.push(target.file_name().unwrap_or_default());
-    name.push(format!(".{}-{}.part", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed)));
-    target.with_file_name(name)
+    whole_file::write(path, |file| write(bsdf, file)).map_err(named)
 }
 
 fn scatterings(bsdf: &Bsdf) -> impl Iterator<Item = &Scattering> {
     let components = bsdf.bands.iter().flat_map(|band| band.components());
-    components.flat_map(|(_, c)| std::iter::once(&c.luminance).chain(c.chroma.iter().flatten()))
+    components.flat_map(|(_, component)| component.functions())
 }
 
 fn structure(bsdf: &Bsdf) -> Result<&'static str, WriteError> {

@@ -1,0 +1,146 @@
+//! From a BSDF to bytes.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::bytes::Number;
+use super::error::{BinaryError, BinaryFault};
+use super::head::{Head, Kind, PARTS, Parts, Stored, bases};
+use super::values::{Budget, dense_slots, packed, raw_matrix, raw_slots};
+use super::{ALIGNMENT, FREE_HEAD, MAGIC, MOST_GROWTH, PREAMBLE, VERSION};
+use crate::bsdf::{Bsdf, Scattering};
+use crate::tree::level_order;
+use crate::whole_file;
+
+/// How values are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Packing {
+    /// As they are in memory: opened at once.
+    #[default]
+    Raw,
+    /// Compressed with Zstandard at a level from 1, fast, to 22, small.
+    Packed(u8),
+}
+
+impl Packing {
+    /// What [`Packing::Packed`] is for: the level beyond which files of trees become hardly smaller.
+    pub const SMALL: Packing = Packing::Packed(19);
+}
+
+/// Writes a BSDF to the last bit. Reading it gives the same values, leaf by leaf, and the same header.
+///
+/// # Errors
+/// If a value was damaged in the file it comes from, or `out` refuses.
+///
+/// # Panics
+/// If the level of packing is not one.
+pub fn write(bsdf: &Bsdf, packing: Packing, out: &mut impl Write) -> Result<(), BinaryError> {
+    if let Packing::Packed(level) = packing {
+        assert!((1..=22).contains(&level), "a level of packing is from 1 to 22, not {level}");
+    }
+    let unwritable =
+        |problem: String| BinaryError { path: None, offset: 0, fault: BinaryFault::Unwritable(problem) };
+    bsdf.verify().map_err(|damage| unwritable(damage.to_string()))?;
+    let mut sections = Sections { packing, all: Vec::new(), budget: Budget::new(0) };
+    let bases = bases(bsdf);
+    let mut bands = Vec::with_capacity(bsdf.bands.len());
+    for band in &bsdf.bands {
+        let mut parts = Parts::default();
+        for (part, functions) in PARTS.into_iter().zip(&mut parts) {
+            for function in band.component(part).into_iter().flat_map(|component| component.functions()) {
+                functions.push(sections.add(function, Kind::of(function, &bases))?);
+            }
+        }
+        bands.push((band.name.clone(), parts));
+    }
+    let head = Head { header: bsdf.header.clone(), bases, bands }.bytes().map_err(unwritable)?;
+    write_parts(&head, packing, &sections.all, out)?;
+    Ok(())
+}
+
+/// Writes a BSDF to a file, whole or not at all, as [`xml::write_file`](crate::xml::write_file) does.
+///
+/// # Errors
+/// As [`write()`], naming the file.
+///
+/// # Panics
+/// As [`write()`].
+pub fn write_file(bsdf: &Bsdf, packing: Packing, path: impl AsRef<Path>) -> Result<(), BinaryError> {
+    let path = path.as_ref();
+    whole_file::write(path, |file| write(bsdf, packing, &mut io::BufWriter::new(file)))
+        .map_err(|error: BinaryError| error.in_file(path))
+}
+
+/// Preamble, head and values, each at its place.
+fn write_parts(head: &[u8], packing: Packing, sections: &[Vec<u8>], out: &mut impl Write) -> io::Result<()> {
+    let small = match packing {
+        Packing::Raw => None,
+        Packing::Packed(level) => Some(packed(head, i32::from(level))?),
+    };
+    // As readers have it.
+    let small = small.filter(|small| head.len() <= small.len() * MOST_GROWTH + FREE_HEAD);
+    let stored = small.as_deref().unwrap_or(head);
+    let parts = std::iter::once(stored).chain(sections.iter().map(Vec::as_slice));
+    let length = parts.clone().fold(PREAMBLE, |sum, part| sum + part.len().next_multiple_of(ALIGNMENT));
+    let mut preamble = MAGIC.to_vec();
+    VERSION.put(&mut preamble);
+    u32::from(small.is_some()).put(&mut preamble);
+    for length in [stored.len(), head.len(), length] {
+        (length as u64).put(&mut preamble);
+    }
+    crc32fast::hash(stored).put(&mut preamble);
+    crc32fast::hash(&preamble).put(&mut preamble);
+    const ZEROS: [u8; ALIGNMENT] = [0; ALIGNMENT];
+    for part in std::iter::once(preamble.as_slice()).chain(parts) {
+        out.write_all(part)?;
+        out.write_all(&ZEROS[..part.len().next_multiple_of(ALIGNMENT) - part.len()])?;
+    }
+    out.flush()
+}
+
+/// The values of all functions, as they are in the file.
+struct Sections {
+    packing: Packing,
+    all: Vec<Vec<u8>>,
+    /// What a reader will allow.
+    budget: Budget,
+}
+
+impl Sections {
+    /// Adds those of a function.
+    fn add(&mut self, function: &Scattering, kind: Kind) -> io::Result<(Kind, Stored)> {
+        let slots = match function {
+            Scattering::Tree(tree) => level_order::slots(tree.arena()),
+            Scattering::Matrix(_) => Vec::new(),
+        };
+        let kind = match kind {
+            Kind::Tree { rank, log2_res, leaf, .. } => {
+                Kind::Tree { rank, log2_res, leaf, n_nodes: (slots.len() / rank.n_children()) as u32 }
+            }
+            matrix => matrix,
+        };
+        let raw = || match function {
+            Scattering::Tree(_) => raw_slots(&slots),
+            Scattering::Matrix(matrix) => raw_matrix(matrix),
+        };
+        let small = match self.packing {
+            Packing::Raw => None,
+            Packing::Packed(level) => {
+                let dense = match function {
+                    Scattering::Tree(tree) => dense_slots(&slots, tree.rank()),
+                    Scattering::Matrix(_) => raw(),
+                };
+                let small = packed(&dense, i32::from(level))?;
+                // What a reader would take for an attack is written raw, and what does not become smaller.
+                self.budget.earn(small.len());
+                let is_granted = small.len() < 4 * slots.len().max(dense.len() / 4);
+                (is_granted && self.budget.spend(dense.len(), 0).is_ok()).then_some(small)
+            }
+        };
+        let is_packed = small.is_some();
+        let bytes = small.unwrap_or_else(raw);
+        let stored = Stored { is_packed, length: bytes.len() as u64, crc: crc32fast::hash(&bytes) };
+        self.all.push(bytes);
+        Ok((kind, stored))
+    }
+}
