@@ -455,6 +455,78 @@ class Bsdf:
         """
         return band_checks(_core.check(self._core, energy, reciprocity))
 
+    def to_klems(self, basis: str | list[tuple[float, float, int]] = "full", *, subdivide: int = 1) -> Bsdf:
+        """Return the BSDF as matrices over an angle basis.
+
+        Each value is the mean over incident and exitant patch by projected solid angle, from the areas that cells and
+        patches share, cut out exactly. So totals are kept: the total of a patch is the mean of the totals over it.
+
+        Parameters
+        ----------
+        basis
+            ``"full"`` (145 patches), ``"half"`` (77; ``"half73"`` as it was before 2022), ``"quarter"`` (41), or rings
+            as (lower, upper, n): polar angles [degree] and number of patches.
+        subdivide
+            Split each patch into this many by this many.
+
+        Raises
+        ------
+        ValueError
+            If there is no such basis, or it would have over 65536 patches.
+
+        Examples
+        --------
+        >>> white = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.full((1, 1, 1, 1), 0.8 / np.pi))})
+        >>> white.to_klems("quarter").components
+        {'reflection_back': <Matrix LBNL/Klems Quarter (41) x LBNL/Klems Quarter (41)>}
+        """
+        return Bsdf(_core.to_klems(self._core, basis, subdivide))
+
+    def to_tree(self, rank: int = 4, log2_res: int = 6, *, tolerance: float = 0.0) -> Bsdf:
+        """Return the BSDF as tensor trees.
+
+        Each value is the mean over its cell by projected solid angle, so totals are kept. Patches have borders where
+        cells have none: :meth:`distance` says what that costs.
+
+        Parameters
+        ----------
+        rank
+            3 averages over all turns about the normal; 4 keeps everything. Trees keep their rank, but may be coarsened.
+        log2_res
+            At most 2^log2_res cells per axis, 1 to 10.
+        tolerance
+            Relative L1 error that joining cells may add, in [0, 1). 0 joins equal ones only.
+
+        Raises
+        ------
+        ValueError
+            If an argument is out of its range, or a tree is of the other rank.
+        """
+        return Bsdf(_core.to_tree(self._core, rank, log2_res, tolerance))
+
+    def distance(self, other: Bsdf, band: str = "Visible") -> dict[str, float]:
+        """How far another BSDF is from this one, of whatever kind they are.
+
+        Parameters
+        ----------
+        other
+            The other BSDF, such as this one converted.
+        band
+            Spectral band.
+
+        Returns
+        -------
+        dict of float
+            For each component that both have: the integral of abs(a - b) by that of a, over incident and exitant
+            projected solid angle, to about 1 % of the result. 0 is no difference, 2 nothing in common.
+        """
+        ours, theirs = self.components_of(band), other.components_of(band)
+        return {
+            key: _core.relative_l1(component._core, theirs[key]._core)
+            for key, component in ours.items()
+            if key in theirs
+        }
+
     def to_xml(self) -> str:
         """Return the BSDF as WINDOW 6 XML."""
         return self._core.to_xml()

@@ -19,7 +19,8 @@ pub enum Klems {
     Rings(Vec<(f64, f64, u32)>),
 }
 
-fn klems_basis(klems: Klems, subdivide: u32) -> PyResult<Basis> {
+/// A basis, each patch of it split into as many by as many.
+pub fn klems_basis(klems: Klems, subdivide: u32) -> PyResult<Basis> {
     let basis = match klems {
         Klems::Rings(rings) => {
             let ring = |(lower, upper, n_phi)| Ring { bounds_deg: [lower, upper], n_phi };

@@ -4,6 +4,7 @@ mod arrays;
 mod bsdf;
 mod check;
 mod component;
+mod convert;
 mod device;
 mod generate;
 mod layout;
@@ -32,5 +33,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
     module.add_function(wrap_pyfunction!(peaks::peaks, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::to_klems, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::to_tree, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::relative_l1, module)?)?;
     Ok(())
 }

@@ -52,6 +52,7 @@ pub mod cell;
 pub mod query;
 mod many;
 pub mod check;
+pub mod convert;
 pub mod peaks;
 mod whole_file;
 pub mod xml;

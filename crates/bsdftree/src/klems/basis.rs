@@ -162,8 +162,27 @@ impl Basis {
         self.first[k] + turn as usize
     }
 
-    fn ring_of(&self, patch: usize) -> usize {
+    pub(crate) fn ring_of(&self, patch: usize) -> usize {
         self.first.partition_point(|&f| f <= patch) - 1
+    }
+
+    /// The patches of a ring.
+    pub(crate) fn patches_of(&self, ring: usize) -> std::ops::Range<usize> {
+        self.first[ring]..self.first[ring] + self.rings[ring].n_phi as usize
+    }
+
+    /// Radii of a ring on the unit disk. Rings touch, as [`Basis::patch`] has it: each begins where the one before ends.
+    pub(crate) fn radii(&self, ring: usize) -> [f64; 2] {
+        let last = self.rings.len() - 1;
+        let outer = |k: usize| if k == last { 1.0 } else { self.rings[k].bounds_deg[1].to_radians().sin() };
+        [if ring == 0 { 0.0 } else { outer(ring - 1) }, outer(ring)]
+    }
+
+    /// Azimuths between which a patch lies \[rad\], the first may be negative.
+    pub(crate) fn azimuths(&self, patch: usize) -> [f64; 2] {
+        let ring = self.ring_of(patch);
+        let step = TAU / f64::from(self.rings[ring].n_phi);
+        [-0.5, 0.5].map(|half| step * ((patch - self.first[ring]) as f64 + half))
     }
 
     /// Projected solid angle of a patch \[sr\].

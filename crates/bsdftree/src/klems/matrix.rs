@@ -6,7 +6,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::cumulative::Cumulative;
-use crate::direction::Direction;
+use crate::direction::{Direction, Side};
 use crate::hilbert::unfold;
 use crate::klems::Basis;
 use crate::shared::Shared;
@@ -105,6 +105,20 @@ impl Matrix {
         let [i, o] = self.patches(incident, exitant);
         let value = self.values[i * self.exitant.n_patches() + o];
         if is_legal(value) { f64::from(value) } else { 0.0 }
+    }
+
+    /// The matrix for light that travels the other way, incident and exitant swapped: a patch's opposite is that of its middle turned by 180°.
+    pub fn reversed(&self) -> Matrix {
+        let opposites = |basis: &Basis| -> Vec<usize> {
+            let middle = |k: usize| Side::Front.direction_from_disk(basis.disk_point(k, 0.5, 0.5));
+            (0..basis.n_patches()).map(|k| basis.patch(opposite(middle(k)))).collect()
+        };
+        let (from, to) = (opposites(&self.incident), opposites(&self.exitant));
+        let n = self.exitant.n_patches();
+        let values =
+            to.iter().flat_map(|&o| from.iter().map(move |&i| (i, o))).map(|(i, o)| self.values[i * n + o]);
+        Matrix::new(Arc::clone(&self.exitant), Arc::clone(&self.incident), values.collect())
+            .expect("the same values")
     }
 
     /// The matrix for light from `incident`; reversed as [`Tree::lobe`](crate::tree::Tree::lobe).
