@@ -118,6 +118,8 @@ void bsdftree_pdf_many(const bsdftree_band *band, size_t n, const double *incide
                        bsdftree_lobes lobes, double *densities);
 void bsdftree_hemispherical_many(const bsdftree_band *band, size_t n, const double *incident, bsdftree_lobes lobes,
                                  double *totals);
+void bsdftree_projected_solid_angle_many(const bsdftree_band *band, size_t n, const double *incident, const double *exitant,
+                                         double *angles);
 /* v may be NULL. */
 void bsdftree_sample_many(const bsdftree_band *band, size_t n, const double *incident, const double *u, const double *v,
                           bsdftree_lobes lobes, bsdftree_direction_sample *samples);

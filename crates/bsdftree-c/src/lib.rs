@@ -414,6 +414,28 @@ pub unsafe extern "C" fn bsdftree_hemispherical_many(
 /// # Safety
 /// As the header says of its pointers.
 #[unsafe(no_mangle)]
+pub unsafe extern "C" fn bsdftree_projected_solid_angle_many(
+    band: *const Band,
+    n: usize,
+    incident: *const Direction,
+    exitant: *const Direction,
+    angles: *mut f64,
+) {
+    // SAFETY: the header's contract.
+    let angles = unsafe {
+        let angles = many_mut(angles, n);
+        (*band).projected_solid_angle_many(many(incident, n), many(exitant, n), angles);
+        angles
+    };
+    // As single calls have it.
+    angles.iter_mut().filter(|angle| angle.is_nan()).for_each(|angle| *angle = -1.0);
+}
+
+/// See the header.
+///
+/// # Safety
+/// As the header says of its pointers.
+#[unsafe(no_mangle)]
 pub unsafe extern "C" fn bsdftree_sample_many(
     band: *const Band,
     n: usize,

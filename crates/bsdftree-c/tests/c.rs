@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
 
-use bsdftree::{Basis, Bsdf, Component, Matrix, Part, Rank, Scattering, Tree, xml};
+use bsdftree::binary::Packing;
+use bsdftree::{Basis, Bsdf, Component, Matrix, Part, Rank, Scattering, Tree, file};
 
 /// Where cargo puts the static library that belongs to this test.
 fn library() -> PathBuf {
@@ -47,7 +48,7 @@ fn run(command: &mut Command) -> Output {
 }
 
 /// A file of trees of both ranks, or of matrices, and one that is cut short.
-fn files(folder: &Path, matrices: bool) -> [PathBuf; 2] {
+fn files(folder: &Path, matrices: bool, ending: &str) -> [PathBuf; 2] {
     let mut bsdf = Bsdf::default();
     let band = bsdf.band_mut("Visible");
     if matrices {
@@ -67,8 +68,8 @@ fn files(folder: &Path, matrices: bool) -> [PathBuf; 2] {
         band.insert(Part::ReflectionFront, tree(Rank::Four, 2));
         band.insert(Part::ReflectionBack, tree(Rank::Four, 1));
     }
-    let [good, bad] = ["good", "bad"].map(|name| folder.join(format!("{name}-{matrices}.xml")));
-    xml::write_file(&bsdf, &good).unwrap();
+    let [good, bad] = ["good", "bad"].map(|name| folder.join(format!("{name}-{matrices}.{ending}")));
+    file::write(&bsdf, &good, Packing::Raw).unwrap();
     let text = std::fs::read(&good).unwrap();
     std::fs::write(&bad, &text[..text.len() / 2]).unwrap();
     [good, bad]
@@ -80,15 +81,17 @@ fn the_interface_holds_from_c_under_sanitizers_and_from_many_threads() {
     let flags = ["-std=c11", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
     let Some(program) = compiled("cc", "tests/interface.c", &flags, &folder) else { return };
     for matrices in [false, true] {
-        let output = run(Command::new(&program).args(files(&folder, matrices)));
-        assert_eq!(output.stdout, b"all of bsdftree.h holds\n");
+        for ending in ["xml", "bsdft"] {
+            let output = run(Command::new(&program).args(files(&folder, matrices, ending)));
+            assert_eq!(output.stdout, b"all of bsdftree.h holds\n");
+        }
     }
 }
 
 #[test]
 fn the_examples_run() {
     let folder = folder("examples");
-    let [good, bad] = files(&folder, false);
+    let [good, bad] = files(&folder, false, "xml");
     if let Some(program) = compiled("cc", "examples/integrate.c", &["-std=c11"], &folder) {
         let table = run(Command::new(&program).arg(&good)).stdout;
         assert_eq!(String::from_utf8(table).unwrap().lines().count(), 2 + 6);

@@ -113,11 +113,12 @@ int main(int argc, char **argv)
     for (int k = 0; k < THREADS; k++)
         CHECK(sums[k] == sum);
 
-    static double values[N], densities[N], totals[N];
+    static double values[N], densities[N], totals[N], angles[N];
     static bsdftree_direction_sample samples[N];
     bsdftree_eval_many(band, N, incident, exitant, values);
     bsdftree_pdf_many(band, N, incident, exitant, BSDFTREE_ALL, densities);
     bsdftree_hemispherical_many(band, N, incident, BSDFTREE_TRANSMISSION, totals);
+    bsdftree_projected_solid_angle_many(band, N, incident, exitant, angles);
     for (int twice = 0; twice < 2; twice++) {
         bsdftree_sample_many(band, N, incident, u, twice ? v : NULL, BSDFTREE_ALL, samples);
         for (int k = 0; k < N; k++) {
@@ -132,7 +133,9 @@ int main(int argc, char **argv)
         CHECK(values[k] == bsdftree_eval(band, i, o));
         CHECK(densities[k] == bsdftree_pdf(band, i, o, BSDFTREE_ALL));
         CHECK(totals[k] == bsdftree_hemispherical(band, i, BSDFTREE_TRANSMISSION));
+        CHECK(angles[k] == bsdftree_projected_solid_angle(band, i, o));
     }
+    CHECK(bsdftree_verify(bsdf, NULL, 0) == BSDFTREE_OK);
     bsdftree_eval_many(band, 0, NULL, NULL, NULL);
     bsdftree_sample_many(band, 0, NULL, NULL, NULL, BSDFTREE_ALL, NULL);
     bsdftree_free(bsdf);

@@ -313,12 +313,8 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let angle = |band: &Band, incident: &[Direction], exitant: &[Direction], angles: &mut [f64]| {
-            for ((&i, &o), angle) in incident.iter().zip(exitant).zip(angles) {
-                *angle = band.projected_solid_angle(i, o).unwrap_or(f64::NAN);
-            }
-        };
-        Ok(PyArray1::from_vec(py, self.over_pairs(py, band, &incident, &exitant, angle)?))
+        let angles = self.over_pairs(py, band, &incident, &exitant, Band::projected_solid_angle_many)?;
+        Ok(PyArray1::from_vec(py, angles))
     }
 
     /// Smallest and largest, NaN where there is no component.

@@ -355,6 +355,33 @@ impl Scattering {
         }
     }
 
+    /// [`Scattering::projected_solid_angle`] for many pairs.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn projected_solid_angle_many(
+        &self,
+        incident: &[Direction],
+        exitant: &[Direction],
+        reversed: bool,
+        angles: &mut [f64],
+    ) {
+        match self {
+            Scattering::Tree(tree) => {
+                let (from, to) = if reversed { (exitant, incident) } else { (incident, exitant) };
+                tree.projected_solid_angle_many(from, to, angles);
+            }
+            Scattering::Matrix(matrix) => {
+                assert!(
+                    incident.len() == exitant.len() && exitant.len() == angles.len(),
+                    "an angle for each pair"
+                );
+                let each = exitant.iter().zip(angles);
+                each.for_each(|(&exitant, angle)| *angle = matrix.projected_solid_angle(exitant, reversed));
+            }
+        }
+    }
+
     /// [`Scattering::hemispherical`] for many incident directions.
     ///
     /// # Panics

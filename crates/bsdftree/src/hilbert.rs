@@ -1,4 +1,4 @@
-//! The 2-D Hilbert curve as a state machine.
+//! The 2-D Hilbert curve, as a state machine and all levels at once.
 //!
 //! At each level the curve visits the four quadrants of a cell in an order that depends on its state, one of
 //! the four symmetries of the square that the curve needs: identity, transposed, anti-transposed, turned by
@@ -39,47 +39,36 @@ pub fn hilbert_index(x: u32, y: u32, levels: u32) -> u64 {
     index
 }
 
-/// Four levels at once: for a state and eight bits of an index, four bits of x, four of y and the state inside.
-const FOUR_LEVELS: [[u16; 256]; 4] = four_levels();
-
-const fn four_levels() -> [[u16; 256]; 4] {
-    let mut table = [[0; 256]; 4];
-    let mut first = 0;
-    while first < 4 {
-        let mut bits = 0;
-        while bits < 256 {
-            let (mut x, mut y, mut state, mut level) = (0, 0, first, 4);
-            while level > 0 {
-                level -= 1;
-                let k = bits >> (2 * level) & 3;
-                let quadrant = QUADRANT[state][k] as u16;
-                x = x << 1 | quadrant & 1;
-                y = y << 1 | quadrant >> 1;
-                state = NEXT[state][k] as usize;
-            }
-            table[first][bits] = x | y << 4 | (state as u16) << 8;
-            bits += 1;
-        }
-        first += 1;
-    }
-    table
+/// The cell (x, y) of a 2^levels × 2^levels grid at a Hilbert index, at most 28 levels.
+///
+/// The four symmetries are made of two, transposing and turning over, each its own inverse, so that those inside a cell are the exclusive
+/// or of those that the digits of all coarser levels bring: all levels at once, without a branch or a table. (H. S. Warren, "Hacker's
+/// Delight", 2nd edition, 2012, section 16-2, has the curve by such parallel prefixes.)
+#[inline(always)]
+pub fn cell_from_hilbert(index: u64, levels: u32) -> (u32, u32) {
+    let (high, low) = (even_bits(index >> 1), even_bits(index));
+    // The first and the last quadrant of a cell are transposed, the last one is turned over too.
+    let transposed = of_coarser_levels(!(high ^ low) & ((1 << levels) - 1));
+    let turned = of_coarser_levels(high & low);
+    let change = (low & transposed) ^ turned;
+    (high ^ change, high ^ low ^ change)
 }
 
-/// The cell (x, y) of a 2^levels × 2^levels grid at a Hilbert index, at most 28 levels.
-#[inline]
-pub fn cell_from_hilbert(index: u64, levels: u32) -> (u32, u32) {
-    // Finer levels refine coarser ones: levels are filled up to a multiple of four, and what is too fine is dropped.
-    let steps = levels.div_ceil(4);
-    let more = 4 * steps - levels;
-    let index = index << (2 * more);
-    let (mut x, mut y, mut state) = (0, 0, 0);
-    for step in (0..steps).rev() {
-        let found = FOUR_LEVELS[state & 3][(index >> (8 * step)) as usize & 255];
-        x = x << 4 | u32::from(found & 15);
-        y = y << 4 | u32::from(found >> 4 & 15);
-        state = usize::from(found >> 8);
-    }
-    (x >> more, y >> more)
+/// Bits 0, 2, 4 … side by side.
+#[inline(always)]
+fn even_bits(x: u64) -> u32 {
+    let x = x & 0x5555_5555_5555_5555;
+    let x = (x | x >> 1) & 0x3333_3333_3333_3333;
+    let x = (x | x >> 2) & 0x0F0F_0F0F_0F0F_0F0F;
+    let x = (x | x >> 4) & 0x00FF_00FF_00FF_00FF;
+    let x = (x | x >> 8) & 0x0000_FFFF_0000_FFFF;
+    (x | x >> 16) as u32
+}
+
+/// For each bit, the exclusive or of all higher ones.
+#[inline(always)]
+fn of_coarser_levels(x: u32) -> u32 {
+    [1, 2, 4, 8, 16].into_iter().fold(x >> 1, |x, shift| x ^ x >> shift)
 }
 
 /// Two numbers in (0, 1) for a choice inside a cell: the two given, or one unfolded along the curve.
@@ -113,10 +102,10 @@ mod tests {
     }
 
     #[test]
-    fn four_levels_at_once_are_four_steps() {
-        for levels in [1, 3, 4, 5, 24, 26, 28] {
+    fn all_levels_at_once_are_one_after_the_other() {
+        for levels in [0, 1, 3, 4, 5, 24, 26, 28] {
             for k in 0..1000u64 {
-                let index = k.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> (64 - 2 * levels);
+                let index = k.wrapping_mul(0x9E37_79B9_7F4A_7C15).checked_shr(64 - 2 * levels).unwrap_or(0);
                 let (mut x, mut y, mut state) = (0, 0, State::default());
                 for level in (0..levels).rev() {
                     let (quadrant, next) = state.step((index >> (2 * level)) as usize & 3);

@@ -36,7 +36,7 @@
 //! | `SDsampBSDF` | [`Band::sample`], with its density [`Band::pdf`] |
 //! | `SDdirectHemi` | [`Band::hemispherical`] |
 //! | one call for each pair | [`Band::eval_many`], [`Band::sample_many`] and the like, many times as fast |
-//! | `SDsizeBSDF` | [`Band::projected_solid_angle`], [`Band::projected_solid_angle_range`] |
+//! | `SDsizeBSDF` | [`Band::projected_solid_angle`], for many pairs [`Band::projected_solid_angle_many`], [`Band::projected_solid_angle_range`] |
 //! | the extracted Lambertian part | [`Scattering::lambertian`] |
 
 mod shared;

@@ -17,9 +17,26 @@ impl Band {
     /// # Panics
     /// If the lengths differ.
     pub fn eval_many(&self, incident: &[Direction], exitant: &[Direction], values: &mut [f64]) {
-        self.over_pairs(incident, exitant, values, |component, reversed, incident, exitant, values| {
+        self.over_pairs(incident, exitant, values, 0.0, |component, reversed, incident, exitant, values| {
             component.luminance.eval_many(incident, exitant, reversed, values);
         });
+    }
+
+    /// [`Band::projected_solid_angle`] for many pairs; NaN where there is no component.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn projected_solid_angle_many(
+        &self,
+        incident: &[Direction],
+        exitant: &[Direction],
+        angles: &mut [f64],
+    ) {
+        let luminance =
+            |component: &Component, reversed, incident: &[_], exitant: &[_], angles: &mut [f64]| {
+                component.luminance.projected_solid_angle_many(incident, exitant, reversed, angles);
+            };
+        self.over_pairs(incident, exitant, angles, f64::NAN, luminance);
     }
 
     /// [`Band::eval_xyz`] for many pairs.
@@ -27,9 +44,15 @@ impl Band {
     /// # Panics
     /// If the lengths differ.
     pub fn eval_xyz_many(&self, incident: &[Direction], exitant: &[Direction], values: &mut [[f64; 3]]) {
-        self.over_pairs(incident, exitant, values, |component, reversed, incident, exitant, values| {
-            component.eval_xyz_many(incident, exitant, reversed, values);
-        });
+        self.over_pairs(
+            incident,
+            exitant,
+            values,
+            [0.0; 3],
+            |component, reversed, incident, exitant, values| {
+                component.eval_xyz_many(incident, exitant, reversed, values);
+            },
+        );
     }
 
     /// [`Band::hemispherical`] for many incident directions.
@@ -143,24 +166,25 @@ impl Band {
         }
     }
 
-    /// Calls `f` for pairs of the same sides with what answers for them.
-    fn over_pairs<T: Copy + Default>(
+    /// Calls `f` for pairs of the same sides with what answers for them; `absent` where nothing does.
+    fn over_pairs<T: Copy>(
         &self,
         incident: &[Direction],
         exitant: &[Direction],
         values: &mut [T],
+        absent: T,
         f: impl Fn(&Component, bool, &[Direction], &[Direction], &mut [T]),
     ) {
         assert_eq!(incident.len(), exitant.len(), "as many exitant as incident directions");
         assert_eq!(incident.len(), values.len(), "a value for each pair of directions");
-        let mut found = [T::default(); CHUNK];
+        let mut found = [absent; CHUNK];
         let pairs = incident.chunks(CHUNK).zip(exitant.chunks(CHUNK));
         for ((incident, exitant), values) in pairs.zip(values.chunks_mut(CHUNK)) {
             by_key(incident.iter().zip(exitant).map(|(&i, &o)| key(i, o)), |key, places| {
                 let [from, to] = sides(key);
                 let found = &mut found[..places.len()];
                 match self.answering(from, to) {
-                    None => found.fill(T::default()),
+                    None => found.fill(absent),
                     Some((component, reversed)) if places.len() == incident.len() => {
                         return f(component, reversed, incident, exitant, values);
                     }
@@ -306,8 +330,12 @@ mod tests {
                 let (mut values, mut colors) = (vec![-1.0; n], vec![[-1.0; 3]; n]);
                 band.eval_many(&incident, &exitant, &mut values);
                 band.eval_xyz_many(&incident, &exitant, &mut colors);
+                let mut angles = vec![-1.0; n];
+                band.projected_solid_angle_many(&incident, &exitant, &mut angles);
                 for k in 0..n {
                     prop_assert_eq!(values[k], band.eval(incident[k], exitant[k]));
+                    let angle = band.projected_solid_angle(incident[k], exitant[k]).unwrap_or(f64::NAN);
+                    prop_assert!(angles[k] == angle || angles[k].is_nan() && angle.is_nan());
                     prop_assert_eq!(colors[k], band.eval_xyz(incident[k], exitant[k]));
                 }
                 for lobes in [Lobes::All, Lobes::Reflection, Lobes::Transmission] {

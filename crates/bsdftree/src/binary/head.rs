@@ -21,10 +21,21 @@ pub(super) enum Kind {
     Matrix([u32; 2]),
 }
 
+/// How the values of a function are in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// As in memory.
+    Raw,
+    /// Compressed.
+    Packed,
+    /// Compressed, the lowest bytes of all numbers first, then the next.
+    Planes,
+}
+
 /// Where the values of a function are: those of one follow those of the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stored {
-    pub is_packed: bool,
+    pub form: Form,
     pub length: u64,
     pub crc: u32,
 }
@@ -238,7 +249,7 @@ fn put_function(&(kind, stored): &Function, out: &mut Vec<u8>) {
             bases.into_iter().for_each(|basis| basis.put(out));
         }
     }
-    u8::from(stored.is_packed).put(out);
+    (stored.form as u8).put(out);
     stored.length.put(out);
     stored.crc.put(out);
 }
@@ -264,8 +275,15 @@ fn take_function(bytes: &mut Bytes<'_>, n_bases: usize) -> Result<Function, Bina
         let found = format!("angle basis {basis}");
         return Err(BinaryError::damaged(offset, found, format!("one of {n_bases}")));
     }
-    let is_packed = take_flag(bytes)?;
-    Ok((kind, Stored { is_packed, length: u64::take(bytes)?, crc: u32::take(bytes)? }))
+    let form = match (bytes.offset(), u8::take(bytes)?) {
+        (_, 0) => Form::Raw,
+        (_, 1) => Form::Packed,
+        (_, 2) => Form::Planes,
+        (offset, other) => {
+            return Err(BinaryError::damaged(offset, format!("values in the form {other}"), "0, 1 or 2"));
+        }
+    };
+    Ok((kind, Stored { form, length: u64::take(bytes)?, crc: u32::take(bytes)? }))
 }
 
 /// Numbers of the parts are their places in [`Part::ALL`].

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::bytes::{Bytes, Number};
 use super::error::BinaryError;
-use super::head::{Function, Head, Kind, PARTS};
+use super::head::{Form, Function, Head, Kind, PARTS};
 use super::values::{Budget, Values, unpacked};
 use super::{ALIGNMENT, FREE_HEAD, MAGIC, MOST_GROWTH, PREAMBLE, VERSION};
 use crate::bsdf::{Band, Bsdf, Component, Scattering};
@@ -164,14 +164,14 @@ impl Sections<'_> {
             return Err(BinaryError::damaged(offset, found, format!("at most {left}, to the end")));
         };
         self.at = end.next_multiple_of(ALIGNMENT);
-        let values = Values { bytes, offset, crc: stored.crc, map: self.map };
+        let values = Values { bytes, offset, form: stored.form, crc: stored.crc, map: self.map };
         let bases =
             |[incident, exitant]: [u32; 2]| [&self.bases[incident as usize], &self.bases[exitant as usize]];
-        Ok(match (*kind, stored.is_packed) {
-            (Kind::Tree { .. }, false) => values.raw_tree(*kind)?.into(),
-            (Kind::Tree { .. }, true) => values.packed_tree(*kind, &mut self.budget)?.into(),
-            (Kind::Matrix(pair), false) => values.raw_matrix(bases(pair))?.into(),
-            (Kind::Matrix(pair), true) => values.packed_matrix(bases(pair), &mut self.budget)?.into(),
+        Ok(match (*kind, stored.form) {
+            (Kind::Tree { .. }, Form::Raw) => values.raw_tree(*kind)?.into(),
+            (Kind::Tree { .. }, _) => values.packed_tree(*kind, &mut self.budget)?.into(),
+            (Kind::Matrix(pair), Form::Raw) => values.raw_matrix(bases(pair))?.into(),
+            (Kind::Matrix(pair), _) => values.packed_matrix(bases(pair), &mut self.budget)?.into(),
         })
     }
 }

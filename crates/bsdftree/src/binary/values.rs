@@ -10,7 +10,7 @@ use std::sync::Arc;
 use bytemuck::Zeroable;
 
 use super::error::BinaryError;
-use super::head::Kind;
+use super::head::{Form, Kind};
 use super::{FREE_VALUES, MOST_GROWTH};
 use crate::klems::{Basis, Matrix};
 use crate::shared::{Map, Shared, Stretch};
@@ -61,6 +61,7 @@ pub(super) struct Values<'a> {
     pub bytes: &'a [u8],
     /// Where they are in the file.
     pub offset: usize,
+    pub form: Form,
     pub crc: u32,
     /// Not to be looked at, but to be left where they are.
     pub map: Option<&'a Map>,
@@ -102,7 +103,7 @@ impl Values<'_> {
         let n = rank.n_children();
         let n_masks = n_nodes as usize * n / 8;
         let n_leaves = if n_nodes == 0 { 0 } else { 1 + n_nodes as usize * (n - 1) };
-        let dense = self.unpacked(n_masks + 4 * n_leaves, budget)?;
+        let dense = self.unpacked(n_masks, n_leaves, budget)?;
         let (masks, leaves) = dense.split_at(n_masks);
         let mut lines = vec![Line::zeroed(); (n_nodes as usize * n).div_ceil(16)];
         let slots = bytemuck::cast_slice_mut::<Line, Slot>(&mut lines);
@@ -127,7 +128,7 @@ impl Values<'_> {
         budget: &mut Budget,
     ) -> Result<Matrix, BinaryError> {
         self.check()?;
-        let values = self.unpacked(4 * matrix_len(bases), budget)?;
+        let values = self.unpacked(0, matrix_len(bases), budget)?;
         self.matrix(bases, &values)
     }
 
@@ -179,12 +180,20 @@ impl Values<'_> {
         BinaryError::damaged(self.offset, found, format!("{expected} numbers, as the head says"))
     }
 
-    fn unpacked(&self, length: usize, budget: &mut Budget) -> Result<Vec<u8>, BinaryError> {
+    /// Masks and as many numbers.
+    fn unpacked(&self, n_masks: usize, n: usize, budget: &mut Budget) -> Result<Vec<u8>, BinaryError> {
+        let length = n_masks + 4 * n;
         budget.spend(length, self.offset)?;
-        unpacked(self.bytes, length).map_err(|error| {
+        let mut dense = unpacked(self.bytes, length).map_err(|error| {
             let found = format!("packed values that are none: {error}");
             BinaryError::damaged(self.offset, found, format!("{length} bytes packed by Zstandard"))
-        })
+        })?;
+        if self.form == Form::Planes {
+            let planes = dense.split_off(n_masks);
+            let byte = |k: usize| planes[k % 4 * n + k / 4];
+            dense.extend((0..4 * n).map(byte));
+        }
+        Ok(dense)
     }
 }
 
@@ -216,6 +225,14 @@ impl Budget {
         })?;
         Ok(())
     }
+}
+
+/// Numbers after masks, the lowest bytes of all first, then the next.
+pub(super) fn planes(dense: &[u8], n_masks: usize) -> Vec<u8> {
+    let (masks, numbers) = dense.split_at(n_masks);
+    let mut out = masks.to_vec();
+    (0..4).for_each(|plane| out.extend(numbers.iter().skip(plane).step_by(4)));
+    out
 }
 
 /// Packs bytes at a level from 1 to 22.

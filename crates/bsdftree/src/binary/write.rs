@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::bytes::Number;
 use super::error::{BinaryError, BinaryFault};
-use super::head::{Head, Kind, PARTS, Parts, Stored, bases};
-use super::values::{Budget, dense_slots, packed, raw_matrix, raw_slots};
+use super::head::{Form, Head, Kind, PARTS, Parts, Stored, bases};
+use super::values::{Budget, dense_slots, packed, planes, raw_matrix, raw_slots};
 use super::{ALIGNMENT, FREE_HEAD, MAGIC, MOST_GROWTH, PREAMBLE, VERSION};
 use crate::bsdf::{Bsdf, Scattering};
 use crate::tree::level_order;
@@ -126,20 +126,24 @@ impl Sections {
         let small = match self.packing {
             Packing::Raw => None,
             Packing::Packed(level) => {
-                let dense = match function {
-                    Scattering::Tree(tree) => dense_slots(&slots, tree.rank()),
-                    Scattering::Matrix(_) => raw(),
+                let (dense, n_masks) = match function {
+                    Scattering::Tree(tree) => (dense_slots(&slots, tree.rank()), slots.len() / 8),
+                    Scattering::Matrix(_) => (raw(), 0),
                 };
-                let small = packed(&dense, i32::from(level))?;
+                let level = i32::from(level);
+                let small = [
+                    (Form::Packed, packed(&dense, level)?),
+                    (Form::Planes, packed(&planes(&dense, n_masks), level)?),
+                ];
+                let small = small.into_iter().min_by_key(|(_, bytes)| bytes.len()).expect("two of them");
                 // What a reader would take for an attack is written raw, and what does not become smaller.
-                self.budget.earn(small.len());
-                let is_granted = small.len() < 4 * slots.len().max(dense.len() / 4);
-                (is_granted && self.budget.spend(dense.len(), 0).is_ok()).then_some(small)
+                self.budget.earn(small.1.len());
+                let is_smaller = small.1.len() < 4 * slots.len().max(dense.len() / 4);
+                (is_smaller && self.budget.spend(dense.len(), 0).is_ok()).then_some(small)
             }
         };
-        let is_packed = small.is_some();
-        let bytes = small.unwrap_or_else(raw);
-        let stored = Stored { is_packed, length: bytes.len() as u64, crc: crc32fast::hash(&bytes) };
+        let (form, bytes) = small.unwrap_or_else(|| (Form::Raw, raw()));
+        let stored = Stored { form, length: bytes.len() as u64, crc: crc32fast::hash(&bytes) };
         self.all.push(bytes);
         Ok((kind, stored))
     }

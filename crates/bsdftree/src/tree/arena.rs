@@ -158,7 +158,15 @@ impl Arena {
             return None;
         }
         let top = if n_nodes == 0 { Slot(leaf.to_bits()) } else { Slot::link(0) };
-        top.is_legal().then(|| Arena { rank, log2_res, n_nodes, lines, top, is_sound: OnceLock::new() })
+        let is_leaf = matches!(top.content(), Content::Leaf(_));
+        (top.is_legal() && is_leaf == (n_nodes == 0)).then(|| Arena {
+            rank,
+            log2_res,
+            n_nodes,
+            lines,
+            top,
+            is_sound: OnceLock::new(),
+        })
     }
 
     /// How many dimensions it has.
@@ -210,11 +218,11 @@ impl Arena {
         &self.slots()[node as usize * n..][..n]
     }
 
-    /// One child of a node; a black leaf if there is no such node.
+    /// One child of a node; of the last one if there is no such node.
     #[inline]
     pub fn child(&self, node: u32, child: usize) -> Slot {
-        let index = (node as usize) << self.rank.dimensions() | child;
-        self.slots().get(index).copied().unwrap_or(Slot(0))
+        let node = node.min(self.n_nodes.wrapping_sub(1));
+        self.slots()[(node as usize) << self.rank.dimensions() | child]
     }
 
     /// All slots, node after node.

@@ -3,14 +3,15 @@
 //! In: directions. Out: for each what a single call gives, to the bit. They go in blocks: first the places of all, by
 //! arithmetic without branches that the compiler makes vector instructions, then all leaves, level by level, or all cumulative sums,
 //! step by step, so that the memory of one is waited for together with that of the others. With AVX2 a level of the tree is one
-//! gather for eight pairs.
+//! gather for eight pairs; AVX-512 does the arithmetic for as many.
 
 use crate::direction::Direction;
 use crate::square::{disk_from_square, square_from_disk};
 use crate::tree::Tree;
 use crate::tree::arena::{Arena, Content, Rank, Slot};
 use crate::tree::cache::SliceRef;
-use crate::tree::coordinates::{QUANTUM_BITS, azimuth, exitant_square, rank3_coordinate, turned};
+use crate::tree::coordinates::{QUANTUM_BITS, azimuth, rank3_coordinate, turned};
+use crate::tree::slice::{Place, area};
 
 /// Pairs in a block.
 const BLOCK: usize = 32;
@@ -24,32 +25,82 @@ impl Tree {
     /// # Panics
     /// If the lengths differ.
     pub fn eval_many(&self, incident: &[Direction], exitant: &[Direction], values: &mut [f64]) {
-        assert_eq!(incident.len(), exitant.len(), "as many exitant as incident directions");
-        assert_eq!(incident.len(), values.len(), "a value for each pair of directions");
+        self.look_up::<VALUES>(incident, exitant, values);
+    }
+
+    /// [`Tree::projected_solid_angle`] for many pairs, several times as fast.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn projected_solid_angle_many(
+        &self,
+        incident: &[Direction],
+        exitant: &[Direction],
+        angles: &mut [f64],
+    ) {
+        self.look_up::<ANGLES>(incident, exitant, angles);
+    }
+
+    /// [`Tree::eval_many`] as processors without AVX2 do it: for measurements, and to compare.
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    pub fn eval_many_portable(&self, incident: &[Direction], exitant: &[Direction], values: &mut [f64]) {
+        assert_lengths(incident, exitant, values);
+        portable::<VALUES>(self.arena(), incident, exitant, values);
+    }
+
+    /// What `WANTED` says of the leaves that hold the pairs.
+    fn look_up<const WANTED: bool>(&self, incident: &[Direction], exitant: &[Direction], out: &mut [f64]) {
+        assert_lengths(incident, exitant, out);
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") && i32::try_from(self.arena().slots().len()).is_ok() {
-            // SAFETY: the processor has AVX2, and all indices of slots fit its gathers.
-            return unsafe { avx2::eval(self.arena(), incident, exitant, values) };
+        if i32::try_from(self.arena().slots().len()).is_ok() {
+            if has_avx512() {
+                // SAFETY: the processor has AVX-512, and all indices of slots fit its gathers.
+                return unsafe { x86::look_up_with_avx512::<WANTED>(self.arena(), incident, exitant, out) };
+            }
+            if std::arch::is_x86_feature_detected!("avx2") {
+                // SAFETY: the processor has AVX2, and all indices of slots fit its gathers.
+                return unsafe { x86::look_up_with_avx2::<WANTED>(self.arena(), incident, exitant, out) };
+            }
         }
-        eval(self.arena(), incident, exitant, values);
+        portable::<WANTED>(self.arena(), incident, exitant, out);
     }
 }
 
+/// Wanted of a leaf: its value.
+const VALUES: bool = true;
+/// Wanted of a leaf: the projected solid angle of its exitant side.
+const ANGLES: bool = false;
+
+fn assert_lengths(incident: &[Direction], exitant: &[Direction], out: &[f64]) {
+    assert_eq!(incident.len(), exitant.len(), "as many exitant as incident directions");
+    assert_eq!(incident.len(), out.len(), "a number for each pair of directions");
+}
+
 /// The portable way.
-fn eval(arena: &Arena, incident: &[Direction], exitant: &[Direction], values: &mut [f64]) {
+fn portable<const WANTED: bool>(
+    arena: &Arena,
+    incident: &[Direction],
+    exitant: &[Direction],
+    out: &mut [f64],
+) {
     let mut cells = [[0; BLOCK]; 4];
-    for_blocks(incident, exitant, values, |incident, exitant, values| {
+    for_blocks(incident, exitant, out, |incident, exitant, out| {
         places(arena, incident, exitant, &mut cells);
-        let mut slots = [arena.top(); BLOCK];
+        let (mut slots, mut levels) = ([arena.top(); BLOCK], [0; BLOCK]);
         for level in (0..arena.log2_res()).rev() {
             for (k, slot) in slots.iter_mut().enumerate() {
                 if let Content::Node(node) = slot.content() {
                     let bit = |i: usize| ((cells[i][k] >> level & 1) as usize) << i;
                     *slot = arena.child(node, bit(0) | bit(1) | bit(2) | bit(3));
+                    levels[k] += 1;
                 }
             }
         }
-        values.iter_mut().zip(slots).for_each(|(value, slot)| *value = leaf(slot));
+        for k in 0..BLOCK {
+            out[k] = if WANTED == VALUES { leaf(slots[k]) } else { area(levels[k]) };
+        }
     });
 }
 
@@ -89,31 +140,62 @@ fn for_blocks(
 #[inline(always)]
 fn places(arena: &Arena, incident: &[Direction; BLOCK], exitant: &[Direction; BLOCK], cells: &mut Cells) {
     let log2 = arena.log2_res();
-    let [mut a, mut b, mut c, mut d] = [[0.0f64; BLOCK]; 4];
-    match arena.rank() {
+    let (from, to) = (columns(incident), columns(exitant));
+    let [a, b, c, d] = match arena.rank() {
         Rank::Four => {
-            for k in 0..BLOCK {
-                [a[k], b[k]] = square_from_disk([-incident[k][0], -incident[k][1]]);
-            }
-            for k in 0..BLOCK {
-                [c[k], d[k]] = square_from_disk([exitant[k][0], exitant[k][1]]);
-            }
+            let ([a, b], [c, d]) = (squares(from, -1.0), squares(to, 1.0));
+            [a, b, c, d]
         }
         Rank::Three => {
+            // As `exitant_square`, step by step.
+            let [mut c, mut s, mut x, mut y] = [[0.0; BLOCK]; 4];
             for k in 0..BLOCK {
-                a[k] = rank3_coordinate(incident[k]);
+                [c[k], s[k]] = azimuth([from[0][k], from[1][k], 0.0]);
             }
             for k in 0..BLOCK {
-                [b[k], c[k]] = exitant_square(Rank::Three, incident[k], exitant[k]);
+                (x[k], y[k]) = (c[k] * to[0][k] + s[k] * to[1][k], c[k] * to[1][k] - s[k] * to[0][k]);
             }
+            let (a, [b, c]) = (rank3_coordinates(from), squares([x, y], 1.0));
+            [a, b, c, [0.0; BLOCK]]
         }
-    }
+    };
     let scale = cell_scale(log2);
     for (cells, coordinates) in cells.iter_mut().zip([a, b, c, d]) {
         for k in 0..BLOCK {
             cells[k] = cell(coordinates[k], scale);
         }
     }
+}
+
+/// x and y of a block, each by itself. The compiler makes vector instructions of loops over them, all the way; of one that leaves out
+/// every third number it does not make the last round.
+#[inline(always)]
+fn columns(directions: &[Direction; BLOCK]) -> [[f64; BLOCK]; 2] {
+    let [mut x, mut y] = [[0.0; BLOCK]; 2];
+    for k in 0..BLOCK {
+        [x[k], y[k], _] = directions[k];
+    }
+    [x, y]
+}
+
+/// [`rank3_coordinate`] of a block.
+#[inline(always)]
+fn rank3_coordinates([x, y]: [[f64; BLOCK]; 2]) -> [f64; BLOCK] {
+    let mut d0 = [0.0; BLOCK];
+    for k in 0..BLOCK {
+        d0[k] = rank3_coordinate([x[k], y[k], 0.0]);
+    }
+    d0
+}
+
+/// Points of the square under ± those of the disk.
+#[inline(always)]
+fn squares([x, y]: [[f64; BLOCK]; 2], sign: f64) -> [[f64; BLOCK]; 2] {
+    let [mut a, mut b] = [[0.0; BLOCK]; 2];
+    for k in 0..BLOCK {
+        [a[k], b[k]] = square_from_disk([sign * x[k], sign * y[k]]);
+    }
+    [a, b]
 }
 
 /// Cells of a tree in a quantum.
@@ -134,46 +216,67 @@ fn cell(x: f64, scale: f64) -> u32 {
 }
 
 #[cfg(target_arch = "x86_64")]
-mod avx2 {
+fn has_avx512() -> bool {
+    std::arch::is_x86_feature_detected!("avx512f")
+        && std::arch::is_x86_feature_detected!("avx512dq")
+        && std::arch::is_x86_feature_detected!("avx512vl")
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{BLOCK, Cells, for_blocks, places};
+    use super::{BLOCK, Cells, VALUES, for_blocks, places};
     use crate::direction::Direction;
     use crate::tree::arena::{Arena, Rank, Slot};
+    use crate::tree::slice::area;
 
     const LANES: usize = 8;
     const VECTORS: usize = BLOCK / LANES;
 
-    /// # Safety
-    /// The processor must have AVX2; the number of slots must fit an `i32`.
-    #[target_feature(enable = "avx2")]
-    pub(super) unsafe fn eval(
-        arena: &Arena,
-        incident: &[Direction],
-        exitant: &[Direction],
-        values: &mut [f64],
-    ) {
-        let mut cells = [[0; BLOCK]; 4];
-        for_blocks(incident, exitant, values, |incident, exitant, values| {
-            places(arena, incident, exitant, &mut cells);
-            // SAFETY: as this function's.
-            unsafe {
-                match arena.rank() {
-                    Rank::Three => leaves::<3>(arena, &cells, values),
-                    Rank::Four => leaves::<4>(arena, &cells, values),
-                }
+    /// A function compiled for some features: a closure has those of the function that it stands in.
+    macro_rules! look_up {
+        ($name:ident, $features:literal) => {
+            /// # Safety
+            /// The processor must have these features, the number of slots must fit an `i32`.
+            #[target_feature(enable = $features)]
+            pub(super) unsafe fn $name<const WANTED: bool>(
+                arena: &Arena,
+                incident: &[Direction],
+                exitant: &[Direction],
+                out: &mut [f64],
+            ) {
+                let mut cells = [[0; BLOCK]; 4];
+                for_blocks(incident, exitant, out, |incident, exitant, out| {
+                    places(arena, incident, exitant, &mut cells);
+                    // SAFETY: as this function's.
+                    unsafe {
+                        match arena.rank() {
+                            Rank::Three => leaves::<3, WANTED>(arena, &cells, out),
+                            Rank::Four => leaves::<4, WANTED>(arena, &cells, out),
+                        }
+                    }
+                });
             }
-        });
+        };
     }
 
+    look_up!(look_up_with_avx2, "avx2");
+    look_up!(look_up_with_avx512, "avx512f,avx512dq,avx512vl");
+
     /// # Safety
-    /// As [`eval`].
+    /// As [`look_up_with_avx2`].
     #[target_feature(enable = "avx2")]
-    unsafe fn leaves<const RANK: usize>(arena: &Arena, cells: &Cells, values: &mut [f64; BLOCK]) {
+    unsafe fn leaves<const RANK: usize, const WANTED: bool>(
+        arena: &Arena,
+        cells: &Cells,
+        out: &mut [f64; BLOCK],
+    ) {
         let base = arena.slots().as_ptr().cast::<i32>();
         let one = _mm256_set1_epi32(1);
-        let last = _mm256_set1_epi32(arena.slots().len().saturating_sub(1) as i32);
+        let last = _mm256_set1_epi32(i32::MIN | arena.n_nodes().saturating_sub(1) as i32);
         let mut slots = [_mm256_set1_epi32(bytemuck::cast::<Slot, i32>(arena.top())); VECTORS];
+        let mut levels = [_mm256_setzero_si256(); VECTORS];
         for level in (0..arena.log2_res()).rev() {
             let all =
                 _mm256_or_si256(_mm256_or_si256(slots[0], slots[1]), _mm256_or_si256(slots[2], slots[3]));
@@ -182,8 +285,10 @@ mod avx2 {
             }
             let shift = _mm_cvtsi32_si128(level as i32);
             for (v, slot) in slots.iter_mut().enumerate() {
+                // Nobody may have looked at the links of a file.
+                let node = _mm256_min_epu32(*slot, last);
                 // The index of a node's child; shifting out the bit that tells a node.
-                let mut index = _mm256_slli_epi32::<1>(*slot);
+                let mut index = _mm256_slli_epi32::<1>(node);
                 index = if RANK == 4 { _mm256_slli_epi32::<3>(index) } else { _mm256_slli_epi32::<2>(index) };
                 for dimension in 0..RANK {
                     // SAFETY: a vector within the block.
@@ -192,11 +297,20 @@ mod avx2 {
                     index =
                         _mm256_or_si256(index, _mm256_sll_epi32(bit, _mm_cvtsi32_si128(dimension as i32)));
                 }
-                // Nobody may have looked at the links of a file.
-                let index = _mm256_min_epu32(index, last);
+                // All bits of a node's lane: one less is one more level.
+                levels[v] = _mm256_sub_epi32(levels[v], _mm256_srai_epi32::<31>(*slot));
                 // SAFETY: lanes of nodes only are read, at slots of the arena, which has some if there is a node.
                 *slot = unsafe { _mm256_mask_i32gather_epi32::<4>(*slot, base, index, *slot) };
             }
+        }
+        if WANTED != VALUES {
+            for (v, level) in levels.into_iter().enumerate() {
+                let mut lanes = [0u32; LANES];
+                // SAFETY: as many numbers as the vector has.
+                unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), level) };
+                (0..LANES).for_each(|k| out[LANES * v + k] = area(lanes[k]));
+            }
+            return;
         }
         for (v, slot) in slots.into_iter().enumerate() {
             // No node is left but in a damaged file: 0 for it.
@@ -204,8 +318,8 @@ mod avx2 {
             let (low, high) = (_mm256_castps256_ps128(leaf), _mm256_extractf128_ps::<1>(leaf));
             // SAFETY: vectors within the block.
             unsafe {
-                _mm256_storeu_pd(values.as_mut_ptr().add(LANES * v), _mm256_cvtps_pd(low));
-                _mm256_storeu_pd(values.as_mut_ptr().add(LANES * v + 4), _mm256_cvtps_pd(high));
+                _mm256_storeu_pd(out.as_mut_ptr().add(LANES * v), _mm256_cvtps_pd(low));
+                _mm256_storeu_pd(out.as_mut_ptr().add(LANES * v + 4), _mm256_cvtps_pd(high));
             }
         }
     }
@@ -221,13 +335,11 @@ impl Tree {
         match (self.rank(), reversed, self.totals()) {
             (Rank::Four, true, _) => self.reversed().hemispherical_many(incident, false, totals),
             (_, false, Some(sums)) => {
-                wide(|| {
-                    for_incident(incident, totals, |incident, totals| {
-                        let cells = self.incident_cells(incident);
-                        for k in 0..BLOCK {
-                            totals[k] = sums.of([cells[0][k], cells[1][k]]);
-                        }
-                    });
+                for_incident(incident, totals, |incident, totals| {
+                    let cells = self.incident_cells(incident);
+                    for k in 0..BLOCK {
+                        totals[k] = sums.of([cells[0][k], cells[1][k]]);
+                    }
                 });
             }
             _ => {
@@ -261,11 +373,10 @@ impl Tree {
                     *sampled = found.unwrap_or_default();
                 }
             }
-            _ => wide(|| self.sample_forward(incident, u, v, sampled)),
+            _ => self.sample_forward(incident, u, v, sampled),
         }
     }
 
-    #[inline(always)]
     fn sample_forward(
         &self,
         incident: &[Direction],
@@ -292,39 +403,25 @@ impl Tree {
                 begin[k] = *slices[k].guide(u[k]);
                 ask(slices[k].place_of(begin[k]));
             }
-            let (mut squares, mut values) = ([[0.5; 2]; BLOCK], [0.0; BLOCK]);
+            let (mut places, mut values) = (Places::default(), [0.0; BLOCK]);
             for k in (0..u.len()).filter(lit) {
-                (squares[k], values[k]) = slices[k].sample_from(begin[k] as usize, u[k], v.map(|v| v[k]));
+                let (place, value) = slices[k].sample_from(begin[k] as usize, u[k], v.map(|v| v[k]));
+                (places.hilbert[k], places.across[k], values[k]) = (place.hilbert, place.across, value);
+                [places.within[0][k], places.within[1][k]] = place.within;
             }
-            let mut disks = squares;
-            disks.iter_mut().for_each(|point| *point = disk_from_square(*point));
+            let mut points = disk_points(&places);
             if self.rank() == Rank::Three {
-                for (point, incident) in disks.iter_mut().zip(&padded) {
+                for (point, incident) in points.iter_mut().zip(&padded) {
                     *point = turned(*point, azimuth(*incident));
                 }
             }
-            out.iter_mut().zip(disks.into_iter().zip(values)).for_each(|(out, sampled)| *out = sampled);
+            out.iter_mut().zip(points.into_iter().zip(values)).for_each(|(out, sampled)| *out = sampled);
         }
     }
 
     /// The incident cells of a block at the tree's own resolution.
-    #[inline(always)]
     fn incident_cells(&self, incident: &[Direction; BLOCK]) -> [[u32; BLOCK]; 2] {
-        let mut coordinates = [[0.0; BLOCK]; 2];
-        let sign = if self.is_reversed { 1.0 } else { -1.0 };
-        for k in 0..BLOCK {
-            match self.rank() {
-                Rank::Four => {
-                    [coordinates[0][k], coordinates[1][k]] =
-                        square_from_disk([sign * incident[k][0], sign * incident[k][1]]);
-                }
-                Rank::Three => coordinates[0][k] = rank3_coordinate(incident[k]),
-            }
-        }
-        let log2 = self.arena().log2_res();
-        let (scale, flip) = (cell_scale(log2), if self.is_reversed { (1 << log2) - 1 } else { 0 });
-        // All bits of a cell turned over count it from the other end.
-        coordinates.map(|axis| axis.map(|x| cell(x, scale) ^ flip))
+        incident_coordinates(self.rank(), incident, self.is_reversed, self.arena().log2_res())
     }
 }
 
@@ -341,21 +438,89 @@ pub(super) fn ask<T>(place: *const T) {
     let _ = place;
 }
 
-/// Calls `f`, compiled for wide vectors where the processor has them.
-#[inline(always)]
-fn wide(f: impl FnOnce()) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2")]
-        fn with_avx2(f: impl FnOnce()) {
-            f();
+/// Makes a function that calls another, which is always inlined, compiled for the widest vectors that the processor has.
+macro_rules! wide {
+    ($(#[$doc:meta])* $name:ident calls $inner:ident($($argument:ident: $type:ty),*) -> $result:ty) => {
+        $(#[$doc])*
+        fn $name($($argument: $type),*) -> $result {
+            #[cfg(target_arch = "x86_64")]
+            {
+                #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+                fn with_avx512($($argument: $type),*) -> $result {
+                    $inner($($argument),*)
+                }
+                #[target_feature(enable = "avx2")]
+                fn with_avx2($($argument: $type),*) -> $result {
+                    $inner($($argument),*)
+                }
+                if has_avx512() {
+                    // SAFETY: the processor has it.
+                    return unsafe { with_avx512($($argument),*) };
+                }
+                if std::arch::is_x86_feature_detected!("avx2") {
+                    // SAFETY: the processor has it.
+                    return unsafe { with_avx2($($argument),*) };
+                }
+            }
+            $inner($($argument),*)
         }
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has it.
-            return unsafe { with_avx2(f) };
+    };
+}
+
+wide! {
+    /// Incident coordinates of a block.
+    incident_coordinates calls incident_block(rank: Rank, incident: &[Direction; BLOCK], is_reversed: bool, log2: u32) -> [[u32; BLOCK]; 2]
+}
+
+wide! {
+    /// Points of the disk over places of the square.
+    disk_points calls disk_block(places: &Places) -> [[f64; 2]; BLOCK]
+}
+
+/// [`Place`] of a block, field by field.
+#[derive(Default)]
+struct Places {
+    hilbert: [u64; BLOCK],
+    across: [u32; BLOCK],
+    within: [[u32; BLOCK]; 2],
+}
+
+/// The incident cells of a block at a resolution.
+#[inline(always)]
+fn incident_block(
+    rank: Rank,
+    incident: &[Direction; BLOCK],
+    is_reversed: bool,
+    log2: u32,
+) -> [[u32; BLOCK]; 2] {
+    let [x, y] = columns(incident);
+    let coordinates = match rank {
+        Rank::Four => squares([x, y], if is_reversed { 1.0 } else { -1.0 }),
+        Rank::Three => [rank3_coordinates([x, y]), [0.0; BLOCK]],
+    };
+    // All bits of a cell turned over count it from the other end.
+    let (scale, flip) = (cell_scale(log2), if is_reversed { (1 << log2) - 1 } else { 0 });
+    let mut cells = [[0; BLOCK]; 2];
+    for axis in 0..2 {
+        for k in 0..BLOCK {
+            cells[axis][k] = cell(coordinates[axis][k], scale) ^ flip;
         }
     }
-    f();
+    cells
+}
+
+#[inline(always)]
+fn disk_block(places: &Places) -> [[f64; 2]; BLOCK] {
+    let [mut x, mut y, mut a, mut b] = [[0.0; BLOCK]; 4];
+    for k in 0..BLOCK {
+        let within = [places.within[0][k], places.within[1][k]];
+        let place = Place { hilbert: places.hilbert[k], across: places.across[k], within };
+        [x[k], y[k]] = place.point();
+    }
+    for k in 0..BLOCK {
+        [a[k], b[k]] = disk_from_square([x[k], y[k]]);
+    }
+    std::array::from_fn(|k| [a[k], b[k]])
 }
 
 /// Calls `f` with all blocks of incident directions; the last one is filled up with its first.
@@ -409,7 +574,13 @@ mod tests {
                 tree.eval_many(&incident, &exitant, &mut many);
                 prop_assert_eq!(&many, &single);
                 many.fill(-1.0);
-                eval(tree.arena(), &incident, &exitant, &mut many);
+                tree.eval_many_portable(&incident, &exitant, &mut many);
+                prop_assert_eq!(&many, &single);
+                let single: Vec<f64> =
+                    incident.iter().zip(&exitant).map(|(&i, &o)| tree.projected_solid_angle(i, o)).collect();
+                tree.projected_solid_angle_many(&incident, &exitant, &mut many);
+                prop_assert_eq!(&many, &single);
+                portable::<ANGLES>(tree.arena(), &incident, &exitant, &mut many);
                 prop_assert_eq!(&many, &single);
                 for reversed in [false, true] {
                     tree.hemispherical_many(&incident, reversed, &mut many);

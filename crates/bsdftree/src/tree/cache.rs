@@ -58,6 +58,20 @@ impl SliceCache {
         }
     }
 
+    /// Makes all slices, as far as they are kept; their memory \[byte\].
+    pub fn fill(&self, arena: &Arena) -> usize {
+        let n = 1u32 << arena.log2_res();
+        let ny = if arena.rank() == Rank::Four { n } else { 1 };
+        let cells = (0..ny).flat_map(|y| (0..n).map(move |x| [x, y]));
+        for cell in cells {
+            self.slice(arena, cell);
+            if self.n_bytes.load(Ordering::Relaxed) >= MAX_BYTES {
+                break;
+            }
+        }
+        self.n_bytes.load(Ordering::Relaxed) + size_of_val(self.slots.get().map_or(&[][..], |slots| slots))
+    }
+
     /// Asks early for where a slice is.
     #[inline(always)]
     pub fn ask(&self, arena: &Arena, cell: [u32; 2]) {

@@ -177,6 +177,12 @@ impl Tree {
         }
     }
 
+    /// Makes all that samples and totals need, which is made when it is first needed otherwise; its memory \[byte\]. Those of the
+    /// reversed tree are not among it.
+    pub fn make_tables(&self) -> usize {
+        self.slices.fill(&self.arena) + self.totals().map_or(0, Totals::n_bytes)
+    }
+
     /// The totals of all incident cells, unless there are too many.
     fn totals(&self) -> Option<&Totals> {
         self.totals.get_or_init(|| Totals::new(&self.arena)).as_ref()

@@ -72,7 +72,10 @@ impl Slice {
     pub fn sample(&self, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
         match self.entries.is_empty() {
             true => None,
-            false => Some(self.sample_from(self.begin(u), u, v)),
+            false => {
+                let (place, value) = self.sample_from(self.begin(u), u, v);
+                Some((place.point(), value))
+            }
         }
     }
 
@@ -103,7 +106,7 @@ impl Slice {
 
     /// [`Slice::sample`] from an entry that is not behind the one that is sought.
     #[inline(always)]
-    pub fn sample_from(&self, begin: usize, u: f64, v: Option<f64>) -> ([f64; 2], f64) {
+    pub fn sample_from(&self, begin: usize, u: f64, v: Option<f64>) -> (Place, f64) {
         let target = target(u);
         let mut k = begin;
         let mut entry = self.entries[k];
@@ -117,7 +120,7 @@ impl Slice {
         }
         let before = f64::from(entry.before);
         let rest = ((target - before) / (end as f64 - before)).min(BELOW_ONE);
-        (entry.point(rest, v), f64::from(entry.value))
+        (entry.place(rest, v), f64::from(entry.value))
     }
 
     /// Smallest and largest projected solid angle of a leaf \[sr\].
@@ -161,25 +164,47 @@ impl Entry {
         f64::from(self.value) * area(self.level())
     }
 
-    /// A point of the exitant square in the leaf.
+    /// A place in the leaf.
     #[inline(always)]
-    fn point(self, rest: f64, v: Option<f64>) -> [f64; 2] {
+    fn place(self, rest: f64, v: Option<f64>) -> Place {
         let level = self.level();
         let hilbert = u64::from(self.place & !(1 << (2 * level)));
         let below = LEVELS - level;
         let n = 1u64 << below;
-        let (x, y) = match v {
+        let first = hilbert << (2 * below);
+        match v {
             None => {
                 let inside = ((rest * (n * n) as f64) as u64).min(n * n - 1);
-                cell_from_hilbert(hilbert << (2 * below) | inside, LEVELS)
+                Place { hilbert: first | inside, across: 0, within: [0; 2] }
             }
             Some(v) => {
-                let (x, y) = cell_from_hilbert(hilbert, level);
                 let within = |t: f64| ((t * n as f64) as u64).min(n - 1) as u32;
-                (x << below | within(rest), y << below | within(v))
+                Place { hilbert: first, across: n as u32 - 1, within: [within(rest), within(v)] }
             }
+        }
+    }
+}
+
+/// A place in the exitant square, to be found on the Hilbert curve.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    /// Along the curve in units of 4^-[`LEVELS`].
+    pub hilbert: u64,
+    /// The bits of both coordinates that are not those of the curve,
+    pub across: u32,
+    /// but these.
+    pub within: [u32; 2],
+}
+
+impl Place {
+    /// The point of the exitant square.
+    #[inline(always)]
+    pub fn point(self) -> [f64; 2] {
+        let (x, y) = cell_from_hilbert(self.hilbert, LEVELS);
+        let coordinate = |k: u32, within: u32| {
+            (f64::from((k & !self.across | within) as i32) + 0.5) / (1u64 << LEVELS) as f64
         };
-        [x, y].map(|k| (f64::from(k) + 0.5) / (1u64 << LEVELS) as f64)
+        [coordinate(x, self.within[0]), coordinate(y, self.within[1])]
     }
 }
 

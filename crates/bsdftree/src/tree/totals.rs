@@ -38,6 +38,11 @@ impl Totals {
         Some(Totals { log2_res: arena.log2_res(), values: values.into() })
     }
 
+    /// Memory \[byte\].
+    pub fn n_bytes(&self) -> usize {
+        size_of_val(&*self.values)
+    }
+
     /// Of the incident cell at these coordinates.
     #[inline(always)]
     pub fn of(&self, [x, y]: [u32; 2]) -> f64 {
