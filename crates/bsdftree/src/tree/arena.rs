@@ -196,6 +196,11 @@ impl Arena {
         self.top
     }
 
+    /// Whether all values are finite, even those that the root does not lead to.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.slots().iter().fold(true, |all, slot| all & slot.is_legal()) && self.top.is_legal()
+    }
+
     /// What is wrong with a tree of a file, and at which byte: a link, a value or the checksum. Nothing is, with others.
     pub fn fault(&self) -> Option<(u64, String)> {
         let offset = self.lines.stretch()?.offset() as u64;
@@ -247,6 +252,24 @@ impl Arena {
     }
 }
 
+/// The leaves of a grid of two cells per axis as children: the number of one is that of its value with the bits in opposite order.
+fn leaves(values: &[f32]) -> [Slot; 16] {
+    const ORDER: [[usize; 16]; 2] = [
+        [0, 4, 2, 6, 1, 5, 3, 7, 0, 0, 0, 0, 0, 0, 0, 0],
+        [0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15],
+    ];
+    let are_legal = values.iter().fold(true, |all, &value| all & (value >= 0.0));
+    assert!(are_legal, "a BSDF value is not negative: {values:?}");
+    let slot = |k: usize| Slot((values[k] + 0.0).to_bits());
+    match values.len() {
+        8 => ORDER[0].map(slot),
+        n => {
+            assert_eq!(n, 16, "a node has 8 or 16 children");
+            ORDER[1].map(slot)
+        }
+    }
+}
+
 /// Builds an [`Arena`] from the leaves up: a node's children exist before it does.
 pub struct TreeBuilder {
     rank: Rank,
@@ -261,6 +284,12 @@ impl TreeBuilder {
         TreeBuilder { rank, lines: Vec::new(), depths: Vec::new() }
     }
 
+    /// With room for some nodes; what is not used is given back in the end.
+    pub(crate) fn with_capacity(rank: Rank, n_nodes: usize) -> TreeBuilder {
+        let lines = Vec::with_capacity((n_nodes * rank.n_children()).div_ceil(16));
+        TreeBuilder { rank, lines, depths: Vec::new() }
+    }
+
     /// A node over 2^rank children, in branch order (bit i of the child's number is dimension i).
     ///
     /// # Panics
@@ -272,13 +301,28 @@ impl TreeBuilder {
         if depth > MAX_LOG2_RES {
             return Err(TreeError::TooDeep);
         }
-        let node =
-            u32::try_from(self.depths.len()).ok().filter(|&k| k < Slot::NODE).ok_or(TreeError::TooLarge)?;
-        let first = node as usize * n;
-        if first / 16 == self.lines.len() {
-            self.lines.push(Line([Slot(0); 16]));
+        let mut line = [Slot(0); 16];
+        line[..n].copy_from_slice(children);
+        self.line(&line, depth)
+    }
+
+    /// A node over the first 2^rank of some children.
+    #[inline]
+    fn line(&mut self, children: &[Slot; 16], depth: u32) -> Result<Slot, TreeError> {
+        let n_nodes = u32::try_from(self.depths.len()).ok();
+        let node = n_nodes.filter(|&k| k < Slot::NODE).ok_or(TreeError::TooLarge)?;
+        match (self.rank, node % 2) {
+            (Rank::Four, _) => self.lines.push(Line(*children)),
+            (Rank::Three, 0) => {
+                let mut line = [Slot(0); 16];
+                line[..8].copy_from_slice(&children[..8]);
+                self.lines.push(Line(line));
+            }
+            (Rank::Three, _) => {
+                let Line(last) = self.lines.last_mut().expect("the first half of it is there");
+                last[8..].copy_from_slice(&children[..8]);
+            }
         }
-        bytemuck::cast_slice_mut::<Line, Slot>(&mut self.lines)[first..first + n].copy_from_slice(children);
         self.depths.push(depth as u8);
         Ok(Slot::link(node))
     }
@@ -297,6 +341,10 @@ impl TreeBuilder {
     pub fn grid(&mut self, values: &[f32], log2: u32) -> Result<Slot, TreeError> {
         let d = self.rank.dimensions();
         assert_eq!(values.len(), 1 << (d * log2 as usize), "a grid has 2^(rank·log2) values");
+        if log2 == 1 {
+            // Nearly all grids of files.
+            return self.line(&leaves(values), 1);
+        }
         let mut corner = [0usize; 4];
         self.subgrid(values, log2, log2, &mut corner)
     }
@@ -331,7 +379,8 @@ impl TreeBuilder {
     }
 
     /// The arena under `root`.
-    pub fn finish(self, root: Slot) -> Arena {
+    pub fn finish(mut self, root: Slot) -> Arena {
+        self.lines.shrink_to_fit();
         let n_nodes = self.depths.len() as u32;
         let (log2_res, lines) = (self.depth(root), self.lines.into());
         Arena { rank: self.rank, log2_res, n_nodes, lines, top: root, is_sound: true.into() }

@@ -20,6 +20,10 @@ pub(super) fn numbers(text: &[u8], base: usize, negatives: &mut Negatives) -> Re
     let mut cursor = Cursor::new(text, base);
     let mut values = Vec::new();
     while cursor.peek().is_some() {
+        cursor.plain_numbers(&mut values);
+        if cursor.peek().is_none() {
+            break;
+        }
         values.push(cursor.number(negatives)?);
     }
     Ok(values)

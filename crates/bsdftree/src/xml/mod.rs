@@ -18,6 +18,7 @@ mod error;
 mod header;
 mod matrix_text;
 mod number;
+mod plain;
 mod repair;
 mod source;
 mod tree_text;

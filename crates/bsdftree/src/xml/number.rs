@@ -4,6 +4,7 @@
 //! by white space, one comma, or both.
 
 use super::error::{Fault, XmlError, excerpt};
+use super::plain;
 use super::repair::Repairs;
 
 /// A place in the text of the values.
@@ -64,14 +65,21 @@ impl<'a> Cursor<'a> {
         &rest[..end.max(1).min(rest.len())]
     }
 
-    /// The number here, and its separator skipped.
-    #[inline]
-    pub(super) fn number(&mut self, negatives: &mut Negatives) -> Result<f32, XmlError> {
-        if let Some((value, length)) = plain(&self.text[self.at..]) {
-            self.at += length;
+    /// Appends the numbers here up to one that takes more care to read, or to something else; separators are skipped.
+    pub(super) fn plain_numbers(&mut self, values: &mut Vec<f32>) {
+        loop {
+            let before = values.len();
+            self.at += plain::read(&self.text[self.at..], values);
+            if values.len() == before {
+                return;
+            }
             self.separator();
-            return Ok(value);
+            self.peek();
         }
+    }
+
+    /// The number here, whatever it takes to read it, and its separator skipped.
+    pub(super) fn number(&mut self, negatives: &mut Negatives) -> Result<f32, XmlError> {
         let parsed = fast_float2::parse_partial::<f32, _>(&self.text[self.at..]);
         let (value, length) = parsed.map_err(|_| self.bad_number("it is not one"))?;
         let ends = |&next: &u8| is_space(next) || next == b',' || is_brace(next);
@@ -125,103 +133,13 @@ impl Negatives {
     }
 }
 
-/// A number without a sign, with few digits and in the middle of its text, as nearly all are, and its length; `None` if it takes more
-/// care to read.
-///
-/// Digits are taken eight at once (D. Lemire, "Number parsing at a gigabyte per second", Software: Practice and Experience
-/// 51, 2021). With up to 15 digits and powers up to 10²² the `f64` is correctly rounded (W. Clinger, "How to read floating point
-/// numbers accurately", 1990), and so is the `f32` made of it unless it lies exactly between two.
 #[inline(always)]
-fn plain(text: &[u8]) -> Option<(f32, usize)> {
-    const POWERS: [f64; 23] = {
-        // Exact: 5²² is below 2⁵³.
-        let mut powers = [1.0; 23];
-        let mut k = 1;
-        while k < 23 {
-            powers[k] = powers[k - 1] * 10.0;
-            k += 1;
-        }
-        powers
-    };
-    let (mut mantissa, mut at) = digits(text, 0)?;
-    let whole = at;
-    let mut n_digits = whole;
-    if *text.get(at)? == b'.' {
-        let (fraction, n) = digits(text, at + 1)?;
-        if n == 0 {
-            return None;
-        }
-        if n == 8 {
-            let (rest, more) = digits(text, at + 9)?;
-            mantissa = (mantissa * 100_000_000 + fraction) * TENS[more] + rest;
-            n_digits += 8 + more;
-            if more == 8 {
-                return None;
-            }
-        } else {
-            mantissa = mantissa * TENS[n] + fraction;
-            n_digits += n;
-        }
-        at += 1 + n_digits - whole;
-    }
-    if whole == 8 || n_digits == 0 || n_digits > 15 {
-        return None;
-    }
-    let mut power = whole as i32 - n_digits as i32;
-    let mut end = *text.get(at)?;
-    if end | 0x20 == b'e' {
-        let sign = *text.get(at + 1)?;
-        let signed = usize::from(sign == b'-' || sign == b'+');
-        let (exponent, n) = digits(text, at + 1 + signed)?;
-        if n == 0 || n > 3 {
-            return None;
-        }
-        power += if sign == b'-' { -(exponent as i32) } else { exponent as i32 };
-        at += 1 + signed + n;
-        end = *text.get(at)?;
-    }
-    if !(is_space(end) || end == b',' || is_brace(end)) || power.unsigned_abs() > 22 {
-        return None;
-    }
-    let scale = POWERS[power.unsigned_abs() as usize];
-    let value = if power < 0 { mantissa as f64 / scale } else { mantissa as f64 * scale };
-    let is_between = value.to_bits() & 0x1FFF_FFFF == 0x1000_0000;
-    let is_normal = (1.2e-38..3.4e38).contains(&value) || mantissa == 0;
-    (is_normal && !is_between).then_some((value as f32, at))
-}
-
-const TENS: [u64; 9] = [1, 10, 100, 1000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
-
-/// The number of up to eight digits at a place, and how many they are; `None` near the end of the text.
-#[inline(always)]
-fn digits(text: &[u8], at: usize) -> Option<(u64, usize)> {
-    const ONES: u64 = 0x0101_0101_0101_0101;
-    let bytes = u64::from_le_bytes(*text.get(at..)?.first_chunk::<8>()?);
-    let values = bytes ^ (ONES * 0x30);
-    // The top bit of each byte that is no digit.
-    let others = (values | values.wrapping_add(ONES * 0x76)) & (ONES * 0x80);
-    let n = others.trailing_zeros() as usize / 8;
-    if n == 0 {
-        return Some((0, 0));
-    }
-    // The last digit into the highest byte, zeros below the first.
-    let values = values << (64 - 8 * n);
-    // Pairs, fours, eight.
-    let pairs = values.wrapping_mul(10) + (values >> 8);
-    let pairs = pairs & 0x00FF_00FF_00FF_00FF;
-    let fours = pairs.wrapping_mul(100) + (pairs >> 16);
-    let fours = fours & 0x0000_FFFF_0000_FFFF;
-    let eight = fours.wrapping_mul(10_000) + (fours >> 32);
-    Some((eight & 0xFFFF_FFFF, n))
-}
-
-#[inline]
-fn is_space(byte: u8) -> bool {
+pub(super) fn is_space(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | 0x0B | 0x0C)
 }
 
-#[inline]
-fn is_brace(byte: u8) -> bool {
+#[inline(always)]
+pub(super) fn is_brace(byte: u8) -> bool {
     matches!(byte, b'{' | b'}')
 }
 

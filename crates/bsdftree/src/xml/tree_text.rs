@@ -23,7 +23,7 @@ pub(super) fn parse(
     negatives: &mut Negatives,
 ) -> Result<Tree, XmlError> {
     let mut cursor = Cursor::new(text, base);
-    let mut builder = TreeBuilder::new(rank);
+    let mut builder = TreeBuilder::with_capacity(rank, most_nodes(text, rank));
     let mut open: Vec<Branch> = Vec::new();
     let mut values = Vec::new();
     loop {
@@ -43,6 +43,13 @@ pub(super) fn parse(
             };
         }
     }
+}
+
+/// How many nodes a text may have at most, unless it has grids of more than one node: there is a brace for each. Nor are there more
+/// than its values, of two bytes at least, fill.
+fn most_nodes(text: &[u8], rank: Rank) -> usize {
+    let n_braces = memchr::memchr_iter(b'{', text).count();
+    n_braces.min(text.len() / 2 / (rank.n_children() - 1) + 1)
 }
 
 /// Puts a finished subtree into its branch, and each branch that it completes into the next. Gives back the root when that
@@ -98,6 +105,7 @@ fn grid(
 ) -> Result<Slot, XmlError> {
     values.clear();
     loop {
+        cursor.plain_numbers(values);
         match cursor.peek() {
             Some(b'}') => break,
             Some(b'{') => return Err(brace(cursor, "a number or `}` in a node that began with numbers")),

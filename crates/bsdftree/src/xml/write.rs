@@ -109,7 +109,10 @@ fn structure(bsdf: &Bsdf) -> Result<&'static str, WriteError> {
             return Err(WriteError::MixedStructures(first, other));
         }
         let finite = match scattering {
-            Scattering::Tree(tree) => tree.leaves().all(|leaf| leaf.value.is_finite()),
+            // All slots are seen faster than all leaves, but may be more.
+            Scattering::Tree(tree) => {
+                tree.arena().is_finite() || tree.leaves().all(|leaf| leaf.value.is_finite())
+            }
             Scattering::Matrix(_) => true,
         };
         if !finite {

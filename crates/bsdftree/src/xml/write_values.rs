@@ -35,8 +35,18 @@ impl<'a, W: Write> Text<'a, W> {
     fn number(&mut self, value: f32) {
         let mut buffer = zmij::Buffer::new();
         let digits = buffer.format_finite(value).as_bytes();
-        self.collected.push(b' ');
-        self.collected.extend_from_slice(digits.strip_suffix(b".0").unwrap_or(digits));
+        let digits = digits.strip_suffix(b".0").unwrap_or(digits);
+        // A copy of fixed length, of which what is too much is written over: the shortest digits are never longer.
+        let mut text = [b' '; 17];
+        match digits.len() {
+            n @ 8..=16 => {
+                text[n - 7..n + 1].copy_from_slice(&digits[n - 8..]);
+                text[1..9].copy_from_slice(&digits[..8]);
+            }
+            n => text[1..n + 1].copy_from_slice(digits),
+        }
+        self.collected.extend_from_slice(&text);
+        self.collected.truncate(self.collected.len() - 16 + digits.len());
     }
 
     /// Writes what was collected, if that is much.
