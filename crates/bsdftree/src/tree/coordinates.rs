@@ -24,10 +24,15 @@ pub(super) const RANK3_SHIFT: f64 = 1e-6;
 pub struct Position(pub(super) [u64; 4]);
 
 /// A coordinate in \[0, 1\] as a multiple of 2⁻⁴⁰.
+#[inline(always)]
 pub(super) fn quantized(x: f64) -> u64 {
-    let scale = (1u64 << QUANTUM_BITS) as f64;
-    // The cast saturates at 0 for negative numbers.
-    ((x * scale + 0.5) as u64).min((1 << QUANTUM_BITS) - 1)
+    const QUANTA: f64 = (1u64 << QUANTUM_BITS) as f64;
+    let quantum = x * QUANTA + 0.5;
+    // Comparisons that NaN fails, each one instruction.
+    let quantum = if quantum > 0.0 { quantum } else { 0.0 };
+    let quantum = if quantum < QUANTA - 1.0 { quantum } else { QUANTA - 1.0 };
+    // SAFETY: it lies in [0, 2^40).
+    unsafe { quantum.to_int_unchecked::<i64>() as u64 }
 }
 
 /// The incident part of a position: (d0, d1) for rank 4, (d0, 0) for rank 3.
@@ -78,12 +83,19 @@ pub(super) fn exitant_square(rank: Rank, incident: Direction, exitant: Direction
 
 impl Position {
     /// The place of a pair of directions. Which sides they lie on does not matter here.
+    #[inline]
     pub fn new(rank: Rank, incident: Direction, exitant: Direction) -> Position {
-        let [a, b] = incident_coordinates(rank, incident);
-        let [p, q] = exitant_square(rank, incident, exitant).map(quantized);
         match rank {
-            Rank::Three => Position([a, p, q, 0]),
-            Rank::Four => Position([a, b, p, q]),
+            Rank::Three => {
+                let [p, q] = exitant_square(rank, incident, exitant).map(quantized);
+                Position([quantized(rank3_coordinate(incident)), p, q, 0])
+            }
+            Rank::Four => {
+                // Side by side, so that neither waits for the other.
+                let points = [[-incident[0], -incident[1]], [exitant[0], exitant[1]]];
+                let [[a, b], [p, q]] = points.map(square_from_disk);
+                Position([a, b, p, q].map(quantized))
+            }
         }
     }
 

@@ -112,16 +112,19 @@ impl Tree {
     /// The value \[1/sr\] and the level of the leaf at a place.
     #[inline]
     pub fn leaf_at(&self, Position(p): Position) -> (f32, u32) {
-        let dimensions = self.rank().dimensions();
+        // The upper 16 bits of each coordinate. Of one level's bits a multiplication makes the number of a child, bit i being that of
+        // dimension i: the products that are not wanted stay below bit 48, or fall out.
+        const KEPT: u32 = QUANTUM_BITS - 16;
+        const TOP_BITS: u64 = 0x0001_0001_0001_0001;
+        const GATHERED: u64 = 1 << 48 | 1 << 33 | 1 << 18 | 1 << 3;
+        let cells = p[0] >> KEPT | p[1] >> KEPT << 16 | p[2] >> KEPT << 32 | p[3] >> KEPT << 48;
         let mut slot = self.arena.top();
         for level in 0..=self.arena.log2_res() {
             match slot.content() {
                 Content::Leaf(value) => return (value, level),
                 Content::Node(node) => {
-                    let shift = QUANTUM_BITS - 1 - level;
-                    let bit = |i: usize| ((p[i] >> shift & 1) as usize) << i;
-                    let child = bit(0) | bit(1) | bit(2) | if dimensions == 4 { bit(3) } else { 0 };
-                    slot = self.arena.child(node, child);
+                    let bits = cells >> (15 - level) & TOP_BITS;
+                    slot = self.arena.child(node, (bits.wrapping_mul(GATHERED) >> 48) as usize);
                 }
             }
         }
