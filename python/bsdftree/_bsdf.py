@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -13,6 +13,9 @@ from bsdftree import _core
 from bsdftree._check import BandCheck, band_checks
 from bsdftree._directions import as_pairs, as_rows
 from bsdftree._peaks import PeakFamily, peak_families
+
+COMPONENTS = ("reflection_front", "reflection_back", "transmission_front", "transmission_back")
+"""All components; front is the outside here, as in WINDOW."""
 
 Part = Literal["all", "reflection", "transmission"]
 Array = NDArray[np.float64]
@@ -217,6 +220,98 @@ class Bsdf:
         0.8
         """
         return cls(_core.Bsdf.of_components({key: [tree._core] for key, tree in trees.items()}))
+
+    @classmethod
+    def from_function(
+        cls,
+        function: Callable[[Array, Array], ArrayLike],
+        rank: int = 4,
+        log2_res: int = 6,
+        *,
+        tolerance: float = 0.02,
+        components: Sequence[str] = COMPONENTS,
+        color: bool = False,
+    ) -> Bsdf:
+        """Make trees of a function, refined where it changes.
+
+        Values are means over cells. Where a cell holds more than half ``tolerance`` of variation, relative to its own mean
+        or that of everything, it is split; a scan of 131072 places and of the directions straight through, mirrored and
+        back keeps narrow peaks from being missed.
+
+        Parameters
+        ----------
+        function
+            Takes incident and exitant unit vectors, both away from the surface, (n, 3) each, and gives the BSDF [1/sr]
+            without cosine, (n,), or with ``color`` CIE X, Y, Z, (n, 3).
+        rank
+            4, or 3 if the function does not change when both directions are turned about the normal. Then incident
+            directions have y = 0, x <= 0.
+        log2_res
+            At most 2^log2_res cells per axis, 1 to 10.
+        tolerance
+            Relative L1 error to aim at, in [0, 1).
+        components
+            What to make: the function is asked for the sides of these only. Black ones are left out.
+        color
+            Whether the function gives X, Y, Z.
+
+        Raises
+        ------
+        ValueError
+            If an argument is out of its range, or a value negative or not finite.
+
+        Examples
+        --------
+        >>> b = Bsdf.from_function(lambda i, o: np.full(len(i), 0.2), components=["reflection_back"])
+        >>> b.components
+        {'reflection_back': <Tree rank 4, 2^0 per axis, 1 leaves>}
+        """
+
+        def floats(incident: Array, exitant: Array) -> Array:
+            return np.asarray(function(incident, exitant), np.float64)
+
+        return cls(_core.from_callable(floats, rank, log2_res, tolerance, list(components), color))
+
+    @classmethod
+    def from_cal(
+        cls,
+        names: str | Sequence[str],
+        *,
+        files: Sequence[str | os.PathLike[str]] = (),
+        definitions: Sequence[str] = (),
+        rank: int = 4,
+        log2_res: int = 6,
+        tolerance: float = 0.02,
+        components: Sequence[str] = COMPONENTS,
+    ) -> Bsdf:
+        """Make trees of a function in Radiance's function language, as bsdf2ttree does.
+
+        Parameters
+        ----------
+        names
+            A function of six arguments: the incident, then the exitant unit vector, both away from the surface. Its value
+            is the BSDF [1/sr] without cosine. Or three of them: Radiance's red, green and blue.
+        files, definitions
+            Function files and definitions such as ``"s = 0.1;"``, in this order.
+        rank, log2_res, tolerance, components
+            As in :meth:`from_function`.
+
+        Raises
+        ------
+        ValueError
+            If a text is not understood, with its line, or as :meth:`from_function`.
+        OSError
+            If a file cannot be read.
+
+        Examples
+        --------
+        >>> b = Bsdf.from_cal("f", definitions=["f(ix,iy,iz,ox,oy,oz) = if(oz * iz, 0.2, 0);"])
+        >>> list(b.components)
+        ['reflection_back', 'reflection_front']
+        """
+        names = [names] if isinstance(names, str) else list(names)
+        texts = [os.fspath(path) for path in files]
+        return cls(_core.from_cal(names, texts, list(definitions), rank, log2_res, tolerance, list(components)))
 
     def with_header(
         self,

@@ -1,4 +1,5 @@
 # The extension module: arrays in, arrays out. Rows of (n, 3) arrays are unit vectors, C-contiguous.
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -127,4 +128,21 @@ def check(bsdf: Bsdf, energy: float, reciprocity: float) -> list[dict[str, Any]]
 def peaks(bsdf: Bsdf, band: str, contrast: float, min_strength: float) -> list[dict[str, Any]]: ...
 def to_klems(bsdf: Bsdf, klems: str | list[tuple[float, float, int]], subdivide: int) -> Bsdf: ...
 def to_tree(bsdf: Bsdf, rank: int, log2_res: int, tolerance: float) -> Bsdf: ...
+def from_callable(
+    function: Callable[[_Array, _Array], _Array],
+    rank: int,
+    log2_res: int,
+    tolerance: float,
+    components: list[str],
+    color: bool,
+) -> Bsdf: ...
+def from_cal(
+    names: list[str],
+    files: list[str],
+    definitions: list[str],
+    rank: int,
+    log2_res: int,
+    tolerance: float,
+    components: list[str],
+) -> Bsdf: ...
 def relative_l1(reference: Tree | Matrix, other: Tree | Matrix) -> float: ...

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use bsdftree::convert::TreeOptions;
+use bsdftree::Part;
+use bsdftree::convert::{Mirror, StackDomain, TreeOptions, default_domain};
 use pyo3::prelude::*;
 
 use crate::bsdf::Bsdf;
@@ -34,4 +35,89 @@ pub fn to_tree(py: Python<'_>, bsdf: &Bsdf, rank: usize, log2_res: u32, toleranc
 pub fn relative_l1(py: Python<'_>, reference: Function<'_>, other: Function<'_>) -> f64 {
     let (reference, other) = ((&reference).into(), (&other).into());
     py.detach(|| bsdftree::convert::relative_l1(&reference, &other))
+}
+
+/// Turned about the normal by an azimuth \[degree\].
+#[pyfunction]
+pub fn turned(py: Python<'_>, bsdf: &Bsdf, azimuth_deg: f64) -> PyResult<Bsdf> {
+    py.detach(|| bsdf.bsdf.turned(azimuth_deg.to_radians())).map(made).map_err(value_error)
+}
+
+/// Mirrored in x or y.
+#[pyfunction]
+pub fn mirrored(py: Python<'_>, bsdf: &Bsdf, axis: &str) -> PyResult<Bsdf> {
+    let mirror = match axis {
+        "x" => Mirror::X,
+        "y" => Mirror::Y,
+        other => return Err(value_error(format!("axis {other:?}; expected \"x\" or \"y\""))),
+    };
+    Ok(made(py.detach(|| bsdf.bsdf.mirrored(mirror))))
+}
+
+/// Turned round.
+#[pyfunction]
+pub fn flipped(py: Python<'_>, bsdf: &Bsdf) -> Bsdf {
+    made(py.detach(|| bsdf.bsdf.flipped()))
+}
+
+/// Some components and bands; one band may get another name.
+#[pyfunction]
+pub fn chosen(
+    bsdf: &Bsdf,
+    components: Option<Vec<String>>,
+    bands: Option<Vec<String>>,
+    renamed: Option<(String, String)>,
+) -> PyResult<Bsdf> {
+    let mut result = bsdftree::Bsdf { header: bsdf.bsdf.header.clone(), bands: Vec::new() };
+    let names: Vec<String> = match bands {
+        Some(names) => names,
+        None => bsdf.bsdf.bands.iter().map(|band| band.name.clone()).collect(),
+    };
+    for name in names {
+        let band = bsdf.band(&name)?;
+        let name = match &renamed {
+            Some((from, to)) if from.eq_ignore_ascii_case(&band.name) => to,
+            _ => &band.name,
+        };
+        for part in Part::ALL {
+            let is_chosen = components.as_ref().is_none_or(|keys| keys.iter().any(|key| key == part.key()));
+            if let (true, Some(component)) = (is_chosen, band.component(part)) {
+                result.band_mut(name).insert(part, component.clone());
+            }
+        }
+    }
+    Ok(made(result))
+}
+
+/// All that is in several, and remarks.
+#[pyfunction]
+pub fn merge(parts: Vec<PyRef<'_, Bsdf>>) -> PyResult<(Bsdf, Vec<String>)> {
+    let parts: Vec<&bsdftree::Bsdf> = parts.iter().map(|part| &part.bsdf).collect();
+    let (bsdf, remarks) = bsdftree::convert::merge(&parts).map_err(value_error)?;
+    Ok((made(bsdf), remarks))
+}
+
+/// Layers from the outside to the room, over a basis, over trees, or over what suits them.
+#[pyfunction]
+pub fn stack(
+    py: Python<'_>,
+    layers: Vec<PyRef<'_, Bsdf>>,
+    klems: Option<Klems>,
+    subdivide: u32,
+    log2_res: Option<u32>,
+    tolerance: f64,
+) -> PyResult<Bsdf> {
+    let layers: Vec<&bsdftree::Bsdf> = layers.iter().map(|layer| &layer.bsdf).collect();
+    let domain = match (klems, log2_res) {
+        (Some(_), Some(_)) => {
+            return Err(value_error("a Klems basis and a resolution of trees; expected one of them"));
+        }
+        (Some(klems), None) => StackDomain::Klems(Arc::new(klems_basis(klems, subdivide)?)),
+        (None, Some(log2_res)) => StackDomain::Tree { log2_res, tolerance },
+        (None, None) => match default_domain(&layers) {
+            StackDomain::Tree { log2_res, .. } => StackDomain::Tree { log2_res, tolerance },
+            klems => klems,
+        },
+    };
+    py.detach(|| bsdftree::convert::stack(&layers, &domain)).map(made).map_err(value_error)
 }

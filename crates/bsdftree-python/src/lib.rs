@@ -6,8 +6,10 @@ mod check;
 mod component;
 mod convert;
 mod device;
+mod from_function;
 mod generate;
 mod layout;
+mod matrices;
 mod peaks;
 
 use pyo3::exceptions::PyValueError;
@@ -36,5 +38,17 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(convert::to_klems, module)?)?;
     module.add_function(wrap_pyfunction!(convert::to_tree, module)?)?;
     module.add_function(wrap_pyfunction!(convert::relative_l1, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::turned, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::mirrored, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::flipped, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::chosen, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::merge, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::stack, module)?)?;
+    module.add_function(wrap_pyfunction!(matrices::matrix, module)?)?;
+    module.add_function(wrap_pyfunction!(matrices::patch_areas, module)?)?;
+    module.add_function(wrap_pyfunction!(matrices::read_radiance_matrix, module)?)?;
+    module.add_function(wrap_pyfunction!(matrices::write_radiance_matrix, module)?)?;
+    module.add_function(wrap_pyfunction!(from_function::from_callable, module)?)?;
+    module.add_function(wrap_pyfunction!(from_function::from_cal, module)?)?;
     Ok(())
 }

@@ -54,6 +54,7 @@ mod many;
 pub mod check;
 pub mod convert;
 pub mod peaks;
+pub mod radiance_matrix;
 mod whole_file;
 pub mod xml;
 pub mod binary;

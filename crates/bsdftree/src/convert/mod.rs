@@ -1,17 +1,23 @@
-//! One kind of BSDF from another: matrices from trees, trees from matrices.
+//! One BSDF from another: matrices from trees, trees from matrices and functions, turned, mirrored, merged and stacked.
 //!
-//! In: a [`Bsdf`] of any kind, all bands and components, coloured or not. Out: another, over an angle basis ([`Bsdf::to_klems`]) or as
-//! trees ([`Bsdf::to_tree`]). Values are means by projected solid angle over cells and patches, from the area that they share, cut out
+//! In: a [`Bsdf`] of any kind, all bands and components, coloured or not. Out: another, over an angle basis ([`Bsdf::to_klems`]), as
+//! trees ([`Bsdf::to_tree`], [`Bsdf::from_function`]), of the device in another position ([`Bsdf::turned`]), of several ([`merge()`], [`stack()`]). Values are means by projected solid angle over cells and patches, from the area that they share, cut out
 //! exactly: nothing is sampled, and totals are kept. What detail is lost is [`relative_l1`].
 //!
 //! Source: Radiance's bsdf2klems and bsdf2ttree, which sample.
 
 mod distance;
+mod function;
 mod grow;
 mod isotropic;
 mod matrix;
+mod merge;
 mod overlap;
 mod polygon;
+mod rows;
+mod scout;
+mod stack;
+mod symmetry;
 mod tree;
 mod xyz;
 
@@ -20,6 +26,10 @@ use std::sync::Arc;
 use thiserror::Error;
 
 pub use distance::relative_l1;
+pub use function::FunctionError;
+pub use merge::merge;
+pub use stack::{MAX_STACK_LOG2_RES, StackDomain, default_domain, stack};
+pub use symmetry::Mirror;
 
 use crate::bsdf::{Band, Bsdf, Component, Part, Scattering};
 use crate::klems::Basis;
@@ -40,6 +50,48 @@ pub enum ConvertError {
     /// A tolerance that is none.
     #[error("a tolerance of {0}; expected a relative error in [0, 1)")]
     Tolerance(f64),
+    /// A turn by what is no angle.
+    #[error("a turn by {0} rad; expected a finite angle")]
+    Azimuth(f64),
+    /// Nothing to stack or merge.
+    #[error("no BSDFs; expected one or more")]
+    NoLayers,
+    /// Layers that know nothing of the same light.
+    #[error("the layers have no spectral band in common; see their bands by `bsdftree info`")]
+    NoCommonBand,
+    /// A resolution at which trees are not stacked.
+    #[error("trees are not stacked at 2^{0} cells per axis; expected 2^1 to 2^{MAX_STACK_LOG2_RES}")]
+    StackResolution(u32),
+    /// Layers that keep light between them for ever.
+    #[error(
+        "light between two layers never leaves: they reflect all of it; check their energy by `bsdftree check`"
+    )]
+    Trapped,
+    /// Values that cannot be.
+    #[error("{0}")]
+    Values(String),
+    /// Functions of different kinds.
+    #[error("{part} of {place} is {found}, what comes before is {expected}: convert one of them first")]
+    Kinds {
+        /// Which BSDF.
+        place: String,
+        /// Which component.
+        part: &'static str,
+        /// What it is.
+        found: String,
+        /// What the others are.
+        expected: String,
+    },
+    /// A component that is there twice.
+    #[error("{part} of the band {band} is in {place} and in one before it: choose which one to take")]
+    Twice {
+        /// Which BSDF.
+        place: String,
+        /// Which component.
+        part: &'static str,
+        /// Its band.
+        band: String,
+    },
     /// A tree of one rank from one of the other.
     #[error(
         "a tree of rank {from} does not become one of rank {}; convert it to a Klems basis first, or generate it anew",

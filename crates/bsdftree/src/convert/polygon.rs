@@ -127,7 +127,6 @@ pub(super) fn sector([inner, outer]: [f64; 2], [from, to]: [f64; 2]) -> Vec<Poly
 }
 
 /// A cell of edge 2^-level, turned counter-clockwise about the centre of the disk by an azimuth \[rad\].
-#[cfg(test)]
 pub(super) fn turned_cell(level: u32, cell: [u32; 2], azimuth: f64) -> Vec<Polygon> {
     let n = (1u64 << level) as f64;
     let [x, y] = cell.map(|c| 2.0 * f64::from(c) / n - 1.0);
