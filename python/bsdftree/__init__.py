@@ -13,10 +13,12 @@ the front, is the room. Values have **no cosine**.
 
 from bsdftree._bsdf import Bsdf, Matrix, Sample, Tree, load
 from bsdftree._check import BandCheck, Energy, Finding, Reciprocity
+from bsdftree._combine import merge, stack
 from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._generate import generate
+from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
 from bsdftree._peaks import Peak, PeakFamily
 from bsdftree._report import BandReport, GenerationReport, Resumed
 
@@ -42,5 +44,9 @@ __all__ = [
     "direction_from_polar",
     "generate",
     "load",
+    "merge",
     "polar_from_direction",
+    "read_radiance_matrix",
+    "stack",
+    "write_radiance_matrix",
 ]

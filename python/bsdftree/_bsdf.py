@@ -86,6 +86,34 @@ class Tree:
             raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
         return cls(_core.Tree._from_grid(np.ascontiguousarray(array).reshape(-1), array.ndim))
 
+    @classmethod
+    def from_raw(cls, values: bytes | ArrayLike, rank: int = 4) -> Tree:
+        """Build a tree from what rttree_reduce reads: all values of a uniform grid, one after the other.
+
+        Parameters
+        ----------
+        values
+            Bytes of 32-bit floats (``-ff``), or numbers, such as ``np.loadtxt(path)`` of a text file (``-fa``). The
+            last axis varies fastest.
+        rank
+            3 or 4.
+
+        Raises
+        ------
+        ValueError
+            If there are not (2^N)^rank of them.
+
+        Examples
+        --------
+        >>> Tree.from_raw(np.full(256, 0.2, np.float32).tobytes()).n_leaves
+        1
+        """
+        array = np.frombuffer(values, np.float32) if isinstance(values, bytes) else np.asarray(values, np.float32)
+        n = round(array.size ** (1 / rank)) if rank in (3, 4) else 0
+        if not n or n**rank != array.size:
+            raise ValueError(f"{array.size} values; expected (2^N)^{rank}, with rank 3 or 4")
+        return cls.from_grid(array.reshape((n,) * rank))
+
     def to_grid(self, log2_res: int | None = None) -> NDArray[np.float32]:
         """Values on a uniform grid.
 
@@ -150,6 +178,41 @@ class Matrix:
         self.incident_rings = core.incident_rings
         self.exitant_rings = core.exitant_rings
         self.nbytes = core.nbytes
+
+    @classmethod
+    def from_values(
+        cls, values: ArrayLike, basis: str | list[tuple[float, float, int]] = "full", *, subdivide: int = 1
+    ) -> Matrix:
+        """Make a matrix of an array.
+
+        Parameters
+        ----------
+        values
+            [1/sr], (incident patches, exitant patches).
+        basis, subdivide
+            As in :meth:`Bsdf.to_klems`.
+
+        Raises
+        ------
+        ValueError
+            If the shape is not that of the basis, or a value is negative or not finite.
+        """
+        return cls(_core.matrix(np.asarray(values, np.float32), basis, subdivide))
+
+    def projected_solid_angles(self) -> tuple[Array, Array]:
+        """Projected solid angles [sr] of the incident and the exitant patches."""
+        incident, exitant = _core.patch_areas(self._core)
+        return incident, exitant
+
+    def weighted(self) -> Array:
+        """What dctimestep multiplies by: value times projected solid angle of the incident patch.
+
+        Returns
+        -------
+        ndarray
+            (exitant patches, incident patches): radiance out for radiance in. ``write_radiance_matrix`` writes it.
+        """
+        return np.asarray(self.values.T * self.projected_solid_angles()[0], np.float64)
 
     def __repr__(self) -> str:
         return repr(self._core)
@@ -219,7 +282,20 @@ class Bsdf:
         >>> round(float(b.hemispherical([0, 0, 1])), 4)
         0.8
         """
-        return cls(_core.Bsdf.of_components({key: [tree._core] for key, tree in trees.items()}))
+        return cls.from_components(trees)
+
+    @classmethod
+    def from_components(cls, components: Mapping[str, Tree | Matrix]) -> Bsdf:
+        """Make a BSDF of trees or matrices; as :meth:`from_trees`.
+
+        Examples
+        --------
+        >>> white = Matrix.from_values(np.full((41, 41), 0.8 / np.pi), "quarter")
+        >>> b = Bsdf.from_components({"reflection_back": white})
+        >>> round(float(b.hemispherical([0, 0, 1])), 4)
+        0.8
+        """
+        return cls(_core.Bsdf.of_components({key: [component._core] for key, component in components.items()}))
 
     @classmethod
     def from_function(
@@ -234,9 +310,9 @@ class Bsdf:
     ) -> Bsdf:
         """Make trees of a function, refined where it changes.
 
-        Values are means over cells. Where a cell holds more than half ``tolerance`` of variation, relative to its own mean
-        or that of everything, it is split; a scan of 131072 places and of the directions straight through, mirrored and
-        back keeps narrow peaks from being missed.
+        Values are means over cells. Where a cell holds more than half ``tolerance`` of variation, relative to its own
+        mean or that of everything, it is split; a scan of 131072 places and of the directions straight through,
+        mirrored and back keeps narrow peaks from being missed.
 
         Parameters
         ----------
@@ -289,8 +365,8 @@ class Bsdf:
         Parameters
         ----------
         names
-            A function of six arguments: the incident, then the exitant unit vector, both away from the surface. Its value
-            is the BSDF [1/sr] without cosine. Or three of them: Radiance's red, green and blue.
+            A function of six arguments: the incident, then the exitant unit vector, both away from the surface. Its
+            value is the BSDF [1/sr] without cosine. Or three of them: Radiance's red, green and blue.
         files, definitions
             Function files and definitions such as ``"s = 0.1;"``, in this order.
         rank, log2_res, tolerance, components
@@ -598,6 +674,58 @@ class Bsdf:
             If an argument is out of its range, or a tree is of the other rank.
         """
         return Bsdf(_core.to_tree(self._core, rank, log2_res, tolerance))
+
+    def rotated(self, angle_deg: float) -> Bsdf:
+        """Return the BSDF of the device turned about its normal.
+
+        Quarter turns, and of a matrix turns by whole patches of all rings, are exact. Others are resampled by the area
+        that turned cells share with others, cut out exactly: light is kept, peaks get wider by up to a cell, and
+        :meth:`distance` from the turn there and back says how much. Trees are turned at 2^7 cells per axis at most.
+        Isotropic trees (rank 3) do not change. Geometry in the file is left out.
+
+        Parameters
+        ----------
+        angle_deg
+            Counter-clockwise as seen from the room [degree].
+        """
+        return Bsdf(_core.turned(self._core, angle_deg))
+
+    def mirrored(self, axis: Literal["x", "y"] = "x") -> Bsdf:
+        """Return the BSDF of the device mirrored: ``"x"`` swaps left and right, ``"y"`` up and down. Exact."""
+        return Bsdf(_core.mirrored(self._core, axis))
+
+    def flipped(self) -> Bsdf:
+        """Return the BSDF of the device turned round about the vertical, its front to the back. Exact."""
+        return Bsdf(_core.flipped(self._core))
+
+    def select(
+        self,
+        components: Sequence[str] | None = None,
+        *,
+        bands: Sequence[str] | None = None,
+        rename: tuple[str, str] | None = None,
+    ) -> Bsdf:
+        """Return some of the BSDF.
+
+        Parameters
+        ----------
+        components
+            Which to take; all by default.
+        bands
+            Which to take; all by default.
+        rename
+            A band, and what it is to be called: a file of solar data may call it ``Visible``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such component or band.
+        """
+        unknown = sorted(set(components or ()) - set(COMPONENTS))
+        if unknown:
+            raise ValueError(f"no component {unknown[0]!r}; expected one of {', '.join(COMPONENTS)}")
+        chosen = None if components is None else list(components)
+        return Bsdf(_core.chosen(self._core, chosen, None if bands is None else list(bands), rename))
 
     def distance(self, other: Bsdf, band: str = "Visible") -> dict[str, float]:
         """How far another BSDF is from this one, of whatever kind they are.

@@ -8,10 +8,13 @@ from bsdftree import __version__
 from bsdftree.cli.check import check
 from bsdftree.cli.convert import convert
 from bsdftree.cli.eval import eval_
+from bsdftree.cli.from_function import from_function
 from bsdftree.cli.genbsdf import genbsdf
 from bsdftree.cli.generate import generate
 from bsdftree.cli.info import info
+from bsdftree.cli.merge import merge
 from bsdftree.cli.plot import plot
+from bsdftree.cli.stack import stack
 
 _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
@@ -35,5 +38,5 @@ def main() -> None:
     """
 
 
-for _verb in (generate, genbsdf, info, check, eval_, plot, convert):
+for _verb in (generate, genbsdf, info, check, eval_, plot, from_function, merge, stack, convert):
     main.add_command(_verb)

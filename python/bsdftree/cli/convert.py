@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-import click
+from pathlib import Path
+from typing import Literal
 
-from bsdftree import Bsdf
+import click
+import numpy as np
+
+from bsdftree import Bsdf, Matrix, Tree, write_radiance_matrix
+from bsdftree._bsdf import COMPONENTS
 from bsdftree.cli._common import read, repair_option, with_input_errors
 
 
@@ -46,6 +51,23 @@ from bsdftree.cli._common import read, repair_option, with_input_errors
     metavar="PERCENT",
     help="With --tree: relative error that joining cells may add.",
 )
+@click.option("--flip", is_flag=True, help="Turn the device round about the vertical: front to the back.")
+@click.option("--mirror", type=click.Choice(["x", "y"]), help="Mirror it: x swaps left and right, y up and down.")
+@click.option(
+    "--rotate", type=float, default=0.0, metavar="DEGREES", help="Turn it counter-clockwise about its normal."
+)
+@click.option(
+    "--raw",
+    type=click.Choice(["ascii", "float", "double"]),
+    help="IN is what rttree_reduce reads: all values of a grid of this --rank, without a header.",
+)
+@click.option(
+    "--component",
+    type=click.Choice(COMPONENTS),
+    default="transmission_front",
+    show_default=True,
+    help="With --raw: what the values are. For .mtx: what to write. Front is the outside, as in WINDOW.",
+)
 @repair_option
 @with_input_errors
 def convert(
@@ -59,12 +81,18 @@ def convert(
     rank: int,
     log2_res: int,
     tolerance: float,
+    flip: bool,
+    mirror: Literal["x", "y"] | None,
+    rotate: float,
+    raw: str | None,
+    component: str,
     repair: bool,
 ) -> None:
     """Write the BSDF in IN to OUT, in the format that the ending of OUT says.
 
     .bsdft is the binary twin of the XML: the same to the last bit, smaller, and open at once whatever its size.
-    Packed, it is smaller still, and read as a whole. Any other ending is WINDOW 6 XML.
+    Packed, it is smaller still, and read as a whole. .mtx is a matrix for dctimestep and rmtxop, a row for each exitant
+    patch: value times projected solid angle of the incident one. Any other ending is WINDOW 6 XML.
 
     With --klems or --tree it becomes one of the other kind: means by projected solid angle, from the areas that
     cells and patches share, so totals are kept. What that changes is said on standard error, as relative error (L1).
@@ -78,10 +106,22 @@ def convert(
       bsdftree convert blinds.xml klems.xml --klems full
       bsdftree convert blinds.xml fine.xml --klems full --subdivide 2
       bsdftree convert klems.xml tree.xml --tree --rank 4 --log2-res 6 --tolerance 1
+      bsdftree convert blinds.xml turned.xml --rotate 90
+      bsdftree convert blinds.xml T.mtx --klems full
+      bsdftree convert --raw float --rank 4 --component reflection_back grid.flt tree.xml
     """
-    bsdf = read(source, repair)
     if klems and tree:
         raise click.UsageError("--klems and --tree; expected one of them")
+    bsdf = _from_raw(source, raw, rank, component) if raw else read(source, repair)
+    if flip:
+        bsdf = bsdf.flipped()
+    if mirror:
+        bsdf = bsdf.mirrored(mirror)
+    if rotate:
+        turned = bsdf.rotated(rotate)
+        # Of a turn and the turn back, half is the turn's.
+        _say_errors(bsdf, turned.rotated(-rotate), "turned there and back")
+        bsdf = turned
     made = bsdf
     if klems:
         made = bsdf.to_klems(klems, subdivide=subdivide)
@@ -89,10 +129,36 @@ def convert(
         made = bsdf.to_tree(rank, log2_res, tolerance=tolerance / 100)
     if made is not bsdf:
         _say_errors(bsdf, made)
-    made.save(target, packed=packed, level=level)
+    if target.lower().endswith(".mtx"):
+        _write_matrix(made, component, target)
+    else:
+        made.save(target, packed=packed, level=level)
 
 
-def _say_errors(bsdf: Bsdf, made: Bsdf) -> None:
+def _from_raw(source: str, raw: str, rank: int, component: str) -> Bsdf:
+    types = {"ascii": np.float32, "float": np.float32, "double": np.float64}
+    data = Path(source).read_bytes()
+    if raw == "ascii":
+        values = np.array(data.replace(b",", b" ").split(), np.float32)
+    elif len(data) % np.dtype(types[raw]).itemsize:
+        raise ValueError(f"{source}: {len(data)} bytes; expected whole numbers of type {raw}")
+    else:
+        values = np.frombuffer(data, types[raw])
+    try:
+        return Bsdf.from_trees({component: Tree.from_raw(values, rank)})
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+
+
+def _write_matrix(bsdf: Bsdf, component: str, target: str) -> None:
+    found = bsdf.components.get(component)
+    if not isinstance(found, Matrix):
+        what = "a tree: add --klems full" if found else f"absent; there are {', '.join(bsdf.components)}"
+        raise ValueError(f"{target}: {component} is {what}")
+    write_radiance_matrix(target, found.weighted())
+
+
+def _say_errors(bsdf: Bsdf, made: Bsdf, how: str = "") -> None:
     for band in bsdf.bands:
         for key, error in bsdf.distance(made, band).items():
-            click.echo(f"{band} {key}: relative L1 error {100 * error:.2g} %", err=True)
+            click.echo(f"{band} {key}: relative L1 error {100 * error:.2g} %{', ' + how if how else ''}", err=True)
