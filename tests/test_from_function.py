@@ -50,10 +50,11 @@ def test_totals_are_those_of_the_formula(rank, log2_res):
 
 
 def test_rank_3_is_the_same_as_rank_4():
+    """At rank 4, 2^4 cells per axis are as wide as the lobe."""
     three, four = (
         Bsdf.from_function(wgmd, r, n, tolerance=0.05, components=["reflection_back"]) for r, n in ((3, 6), (4, 4))
     )
-    assert three.distance(four)["reflection_back"] < 0.15
+    assert three.distance(four)["reflection_back"] < 0.25
 
 
 def test_cal_is_the_same_as_python(tmp_path):
@@ -73,34 +74,45 @@ def test_three_functions_are_red_green_and_blue():
     np.testing.assert_allclose(xyz, np.array(bsdftree._core.XYZ_FROM_RGB) @ [0.3, 0.2, 0.1], rtol=1e-5)
 
 
+def cell_mean(rank: int, log2_res: int, cell: tuple[int, ...], rng: np.random.Generator) -> float:
+    """Mean of the formula over a cell by many random points."""
+    at = (np.array(cell) + rng.random((20000, rank))) / 2**log2_res
+
+    def disk(xy: np.ndarray) -> np.ndarray:
+        a, b = (2 * xy - 1).T
+        major, minor = np.where(abs(a) >= abs(b), [a, b], [b, a])
+        phi = np.pi / 4 * minor / major
+        x, y = np.where(
+            abs(a) >= abs(b), [major * np.cos(phi), major * np.sin(phi)], [major * np.sin(phi), major * np.cos(phi)]
+        )
+        return np.stack([x, y, np.sqrt(np.maximum(0, 1 - x * x - y * y))], axis=1)
+
+    if rank == 3:
+        sin = 1 - 2 * at[:, 0]
+        return float(wgmd(np.stack([-sin, 0 * sin, np.sqrt(1 - sin * sin)], axis=1), disk(at[:, 1:])).mean())
+    return float(wgmd(disk(at[:, :2]) * [-1, -1, 1], disk(at[:, 2:])).mean())
+
+
 @needs_radiance
-@pytest.mark.parametrize(("rank", "log2_res"), [(3, 5), (4, 4)])
-def test_trees_are_those_of_bsdf2ttree(tmp_path, rank, log2_res):
-    """The full grid, nothing culled, 256 samples a cell."""
+@pytest.mark.parametrize(("rank", "log2_res", "limit"), [(3, 5, 0.05), (4, 4, 0.02)])
+def test_trees_are_those_of_bsdf2ttree(tmp_path, rng, rank, log2_res, limit):
+    """The full grid, nothing culled, 256 samples a cell; ours is as near to the means of random cells or nearer."""
     (tmp_path / "wgmd.cal").write_text(CAL)
-    text = run(
-        "bsdf2ttree",
-        f"-t{rank}",
-        "-g",
-        log2_res,
-        "-t",
-        0,
-        "-n",
-        256,
-        "+forward",
-        "+backward",
-        "-f",
-        "wgmd.cal",
-        "wgmd",
-        cwd=tmp_path,
-    )
-    (tmp_path / "theirs.xml").write_bytes(text)
+    options = ["-g", log2_res, "-t", 0, "-n", 256, "+forward", "+backward", "-f", "wgmd.cal"]
+    (tmp_path / "theirs.xml").write_bytes(run("bsdf2ttree", f"-t{rank}", *options, "wgmd", cwd=tmp_path))
     theirs = bsdftree.load(tmp_path / "theirs.xml", strict=False)
     ours = Bsdf.from_function(wgmd, rank, log2_res, tolerance=0.002)
     for key, component in ours.components.items():
         error = theirs.distance(ours)[key]
         print(f"rank {rank} {key}: relative L1 {error:.2e}, {component.n_leaves} values")
-        assert error < 0.03
+        assert error < limit
+    grids = [b.components["reflection_back"].to_grid(log2_res) for b in (ours, theirs)]
+    n = 2**log2_res
+    cells = [tuple(rng.integers([0] * rank, [n // 2 if rank == 3 else n, *[n] * (rank - 1)])) for _ in range(300)]
+    means = np.array([cell_mean(rank, log2_res, cell, rng) for cell in cells])
+    errors = [abs(np.array([grid[cell] for cell in cells]) - means).sum() / means.sum() for grid in grids]
+    print(f"rank {rank}, off the means of 300 cells: ours {errors[0]:.2e}, Radiance's {errors[1]:.2e}")
+    assert errors[0] < 0.012 and errors[0] < 1.2 * errors[1]
 
 
 def test_command_writes_a_tree(tmp_path):

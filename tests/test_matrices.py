@@ -71,26 +71,36 @@ def test_raw_grids_are_those_of_rttree_reduce(tmp_path, rng, rank, raw):
     text = ours.to_xml()
     (tmp_path / "theirs.xml").write_text(text[: start + 16] + reduced + text[end:])
     theirs = bsdftree.load(tmp_path / "theirs.xml").components["reflection_back"]
-    np.testing.assert_allclose(theirs.to_grid(3), grid, rtol=1e-5)
+    # It prints seven digits after the point.
+    np.testing.assert_allclose(theirs.to_grid(3), grid, rtol=1e-5, atol=6e-8)
 
 
 def test_real_grid_is_read(data, tmp_path):
-    """genBSDF's own output before reduction."""
-    done = CliRunner().invoke(
-        main,
-        [
-            "convert",
-            "--raw",
-            "ascii",
-            "--component",
-            "reflection_back",
-            str(data / "radiance/sawtooth.dat"),
-            str(tmp_path / "s.xml"),
-        ],
-    )
+    """genBSDF's own output before reduction: the values of Radiance's data file, after a header."""
+    path = tmp_path / "sawtooth.txt"
+    path.write_text("#?RADIANCE\nFORMAT=ascii\n\n" + (data / "radiance/sawtooth.dat").read_text().partition("\n\n")[2])
+    out = tmp_path / "s.xml"
+    words = ["convert", "--raw", "ascii", "--component", "reflection_back", str(path), str(out)]
+    done = CliRunner().invoke(main, words)
     assert done.exit_code == 0, done.output
-    totals = bsdftree.load(tmp_path / "s.xml").hemispherical(bsdftree.direction_from_polar([5, 30, 60, 80], 45))
+    totals = bsdftree.load(out).hemispherical(bsdftree.direction_from_polar([5, 30, 60, 80], 45))
     assert ((totals > 0.61) & (totals < 0.70)).all()
+
+
+@pytest.mark.parametrize(
+    ("content", "raw", "said"),
+    [
+        (b"1 2 x", "ascii", "could not convert string to float"),
+        (b"1 2 3", "ascii", "3 values; expected (2^N)^4"),
+        (b"12345", "float", "buffer size must be a multiple"),
+        (b"#?RADIANCE\n", "float", "without an empty line"),
+    ],
+)
+def test_faulty_raw_grids_are_refused(tmp_path, content, raw, said):
+    (tmp_path / "grid").write_bytes(content)
+    done = CliRunner().invoke(main, ["convert", "--raw", raw, str(tmp_path / "grid"), str(tmp_path / "out.xml")])
+    assert done.exit_code == 1 and said in done.output and "grid" in done.output
+    assert not (tmp_path / "out.xml").exists()
 
 
 def test_matrix_of_an_array_is_that_array(rng):

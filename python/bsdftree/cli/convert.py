@@ -59,7 +59,7 @@ from bsdftree.cli._common import read, repair_option, with_input_errors
 @click.option(
     "--raw",
     type=click.Choice(["ascii", "float", "double"]),
-    help="IN is what rttree_reduce reads: all values of a grid of this --rank, without a header.",
+    help="IN is what rttree_reduce reads: all values of a grid of this --rank.",
 )
 @click.option(
     "--component",
@@ -136,18 +136,22 @@ def convert(
 
 
 def _from_raw(source: str, raw: str, rank: int, component: str) -> Bsdf:
-    types = {"ascii": np.float32, "float": np.float32, "double": np.float64}
     data = Path(source).read_bytes()
-    if raw == "ascii":
-        values = np.array(data.replace(b",", b" ").split(), np.float32)
-    elif len(data) % np.dtype(types[raw]).itemsize:
-        raise ValueError(f"{source}: {len(data)} bytes; expected whole numbers of type {raw}")
-    else:
-        values = np.frombuffer(data, types[raw])
+    if data.startswith(b"#?"):
+        # Radiance's header ends with an empty line.
+        header, _, data = data.partition(b"\n\n")
+        if not data:
+            raise ValueError(f"{source}: a header of {len(header)} bytes without an empty line and values after it")
+    return Bsdf.from_trees({component: _tree_of_raw(source, data, raw, rank)})
+
+
+def _tree_of_raw(source: str, data: bytes, raw: str, rank: int) -> Tree:
     try:
-        return Bsdf.from_trees({component: Tree.from_raw(values, rank)})
+        if raw == "ascii":
+            return Tree.from_raw(np.array(data.replace(b",", b" ").split(), np.float32), rank)
+        return Tree.from_raw(np.frombuffer(data, np.float32 if raw == "float" else np.float64), rank)
     except ValueError as error:
-        raise ValueError(f"{source}: {error}") from None
+        raise ValueError(f"{source}: {error}; as {raw}, for a tree of rank {rank}") from None
 
 
 def _write_matrix(bsdf: Bsdf, component: str, target: str) -> None:
