@@ -18,12 +18,19 @@ fn read_in(text: &str, folder: &Path, unit: Unit) -> Result<Device, DeviceError>
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-    put("f.cal", b"checks = if(Px, A1, .2); f(x,y,z,o) = z; half(v) = v/2; u = 2*Px; ramp(nm) = nm/1000;");
+    put("f.cal", b"checks = if(Px, A1, .2); f(x,y,z,o) = z; half(v) = v/2; u = 2*Px; ramp(nm) = nm/1000; plus(v,nm) = v + nm/1e4;");
     put("d.dat", b"2\n0 1 2\n0 0 3 0 .2 1\n1 2 3\n4 5 6\n");
     put("s.dat", b"1\n0 0 3 400 500 800\n.1 .2 .3\n");
     put("wrong.cal", b"a = 1;\nb = 2 + ;\n");
     put("wrong.dat", b"1\n0 1 2\n5 x\n");
     put("p.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n\x80\x80\x80\x80\x90\x80\x80\x80\xa0\x80\x80\x80\xb0\x80\x80\x80");
+    put("s.fnt", b"73 4 100 0 150 0 150 200 100 200 # I\n32 0\n");
+    put("lines.txt", b"I I\n\nIII\n");
+    put(
+        "p.spc",
+        b"#?RADIANCE\nNCOMP=4\nWAVELENGTH_SPLITS= 780 588 480 380\nFORMAT=Radiance_spectra\n\n-Y 2 +X 2\n\
+          \x80\x90\xa0\xb0\x80\x80\x90\xa0\xb0\x80\x80\x90\xa0\xb0\x80\x80\x90\xa0\xff\x80",
+    );
     put("dark.rad", b"void brightfunc dark 2 if(Pz,.1,.9) . 0 0\n");
     folder
 }
@@ -42,6 +49,12 @@ const ALL: &[&str] = &[
     "void spectrum a 0 0 5 400 700 .1 .2 .3\na plastic m 0 0 5 .5 .5 .5 0 0",
     "void specfile a 1 s.dat 0 0\na plastic m 0 0 5 .5 .5 .5 0 0",
     "void specfunc a 2 ramp f.cal 0 2 400 700\na plastic m 0 0 5 .5 .5 .5 0 0",
+    "void specdata a 6 plus d.dat f.cal u -rz 30 0 0\na plastic m 0 0 5 .5 .5 .5 0 0",
+    "void specpict a 6 plus p.spc f.cal u Py -my 0 0\na plastic m 0 0 5 .5 .5 .5 0 0",
+    "void brighttext a 2 s.fnt lines.txt 0 11 0 1 0 .1 .02 0 0 -.2 .1 .1 .9\na plastic m 0 0 5 .5 .5 .5 0 0",
+    "void colortext a 4 s.fnt . I 'I I' 0 16 0 1 0 .1 0 0 0 -.2 0 .1 .2 .3 .4 .5 .6 -.2\na glass m 0 0 3 .9 .9 .9",
+    "void plastic x 0 0 5 .5 .5 .5 0 0\nvoid mixtext m 4 x void s.fnt lines.txt 0 9 0 1 0 .1 0 0 0 -.2 0",
+    "void brightfunc x 2 .3 . 0 0\nvoid mixtext a 5 void x s.fnt . II 0 10 0 1 0 .1 0 0 0 -.2 0 .1\na glass m 0 0 3 .9 .9 .9",
     "void plasfunc m 2 f f.cal 0 4 .5 .5 .5 .2",
     "void metdata m 7 half d.dat f.cal f f -rz 3 0 4 .5 .5 .5 .2",
     "void transfunc m 3 f f.cal -mx 0 7 .5 .5 .5 .2 .3 .4 9",
@@ -162,10 +175,16 @@ fn what_is_wrong_is_said_with_its_line_where_it_is_used() {
         ("specfunc a 2 ramp f.cal 0 2 500 500", "different wavelengths"),
         ("specfunc a 2 missing f.cal 0 2 400 500", "function 'missing"),
         ("spectrum a 0 0 5 500 500 1 1 1", "different wavelengths"),
+        ("brighttext a 2 none.fnt s.dat 0 11 0 0 0 1 0 0 0 -1 0 1 0", "cannot read 'none.fnt'"),
+        ("brighttext a 2 wrong.dat s.dat 0 11 0 0 0 1 0 0 0 -1 0 1 0", "wrong.dat:2: expected a code once"),
+        ("brighttext a 2 s.fnt none.txt 0 11 0 0 0 1 0 0 0 -1 0 1 0", "cannot read 'none.txt'"),
         (
-            "brighttext a 2 helvet.fnt text 0 9 0 0 0 1 0 0 0 -1 0",
-            "pattern 'brighttext' (modifier \"a\") is not supported yet",
+            "colortext a 3 s.fnt . I 0 15 0 0 0 1 0 0 2 0 0 1 0 0 1 0 0",
+            "vectors to the right and down that span",
         ),
+        ("specdata a 4 plus s.dat f.cal Px 0 0", "expected a data file of two or more dimensions"),
+        ("specdata a 4 missing d.dat f.cal Px 0 0", "function 'missing"),
+        ("specpict a 5 plus s.dat f.cal Px Py 0 0", "it is no Radiance picture"),
     ] {
         let library = format!(
             "void plastic white 0 0 5 .5 .5 .5 0 0\nvoid {definition}\na plastic m 0 0 5 .5 .5 .5 0 0"
@@ -204,6 +223,17 @@ fn wrong_counts_are_errors_at_once() {
         ("spectrum a 0 0 4 400 500 1 1", "at least 5 real arguments"),
         ("specfile a 0 0 0", "1 string argument"),
         ("specfunc a 2 f f.cal 0 1 400", "at least 2 real arguments"),
+        ("specdata a 3 f d.dat . 0 0", "string arguments func datafile funcfile x0"),
+        ("specpict a 4 f p.spc . u 0 0", "string arguments func specfile funcfile u v"),
+        (
+            "brighttext a 2 s.fnt t 0 9 0 0 0 1 0 0 0 -1 0",
+            "Dx Dy Dz foreground background [spacing] of brighttext \"a\", found 2 and 9",
+        ),
+        (
+            "colortext a 1 s.fnt 0 15 0 0 0 1 0 0 0 -1 0 1 1 1 0 0 0",
+            "fontfile textfile, or fontfile . word …",
+        ),
+        ("mixtext a 3 void void s.fnt 0 9 0 0 0 1 0 0 0 -1 0", "foreground background fontfile textfile"),
         ("plasfunc a 1 f 0 4 .5 .5 .5 .2", "refl funcfile"),
         ("transfunc a 2 f f.cal 0 4 .5 .5 .5 .2", "6 or more real arguments"),
         ("BRTDfunc a 9 0 0 0 0 0 0 0 0 . 0 9 0 0 0 0 0 0 0 0 0", "rrefl grefl brefl"),

@@ -120,26 +120,42 @@ impl DataArray {
     /// # Ok::<(), bsdftree_device::DeviceError>(())
     /// ```
     pub fn value(&self, point: &[f64]) -> f64 {
-        debug_assert_eq!(point.len(), self.dimensions.len());
-        let mut cells = [(0, [0.0; 2]); Self::MOST_DIMENSIONS];
-        for ((cell, dimension), &x) in cells.iter_mut().zip(&self.dimensions).zip(point) {
-            *cell = dimension.weights(x);
-        }
-        let cells = &cells[..self.dimensions.len()];
         let mut sum = 0.0;
-        for corner in 0..1_usize << cells.len() {
-            let (mut index, mut weight) = (0, 1.0);
-            for (k, (dimension, (i, weights))) in self.dimensions.iter().zip(cells).enumerate() {
-                let upper = corner >> k & 1;
-                index = index * dimension.n() + i + upper;
-                weight *= weights[upper];
-            }
-            // A corner that does not count may not be a number.
-            if weight != 0.0 {
-                sum += weight * self.values[index];
-            }
-        }
+        corners(&self.dimensions, point, |index, weight| sum += weight * self.values[index]);
         sum
+    }
+
+    /// The values along the last of two or more dimensions, at a point that has a coordinate for each of the others.
+    pub fn along_last(&self, point: &[f64]) -> Vec<f64> {
+        let (last, others) = self.dimensions.split_last().expect("dimensions");
+        let mut sums = vec![0.0; last.n()];
+        corners(others, point, |index, weight| {
+            for (sum, value) in sums.iter_mut().zip(&self.values[index * last.n()..]) {
+                *sum += weight * value;
+            }
+        });
+        sums
+    }
+}
+
+/// Tells all corners of the cell that a point is in, and what they count; those that do not count may hold no number.
+fn corners(dimensions: &[Dimension], point: &[f64], mut tell: impl FnMut(usize, f64)) {
+    debug_assert_eq!(point.len(), dimensions.len());
+    let mut cells = [(0, [0.0; 2]); DataArray::MOST_DIMENSIONS];
+    for ((cell, dimension), &x) in cells.iter_mut().zip(dimensions).zip(point) {
+        *cell = dimension.weights(x);
+    }
+    let cells = &cells[..dimensions.len()];
+    for corner in 0..1_usize << cells.len() {
+        let (mut index, mut weight) = (0, 1.0);
+        for (k, (dimension, (i, weights))) in dimensions.iter().zip(cells).enumerate() {
+            let upper = corner >> k & 1;
+            index = index * dimension.n() + i + upper;
+            weight *= weights[upper];
+        }
+        if weight != 0.0 {
+            tell(index, weight);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! What varies over a surface: numbers that functions, data files and pictures give at a place.
 //!
 //! In: what a ray knows of its meeting with a surface ([`RayState`], in the device's coordinates). Out: one number or three
-//! ([`Field`]), or which modifier failed and why ([`FieldError`]). Patterns, textures, mixtures and materials of
+//! ([`Field`]), a spectrum ([`SpectralField`]), or which modifier failed and why ([`FieldError`]). Patterns, textures, mixtures and materials of
 //! Radiance are made of fields.
 //!
 //! Functions see their own coordinates ([`Space`]): those of the scene file that names them, with its unit, moved by the
@@ -10,17 +10,22 @@
 
 mod data;
 mod formula;
+mod hyperspectral;
 mod lobe;
 mod picture;
+mod raster;
 mod space;
 mod spectral;
+mod text;
 
 pub use data::{DataArray, Dimension};
 pub use formula::{Call, Formulas};
+pub use hyperspectral::SpectralPicture;
 pub use lobe::LobeFunction;
 pub use picture::Picture;
 pub use space::{File, Origin, RayState, Space};
-pub use spectral::{Spectral, SpectralFunction};
+pub use spectral::{Spectral, SpectralField, SpectralSource};
+pub use text::{Font, Text, Words};
 
 use std::fmt;
 use std::sync::Arc;
@@ -84,6 +89,15 @@ pub enum Source<const N: usize> {
         /// u along the picture's width, v along its height; the shorter of both is 1 long.
         coordinates: Formulas,
     },
+    /// `brighttext`, `colortext`, `mixtext`: one thing on letters, another beside them.
+    Text {
+        /// Where the letters are.
+        text: Arc<Text>,
+        /// On them.
+        foreground: [f64; N],
+        /// Beside them.
+        background: [f64; N],
+    },
 }
 
 /// `N` numbers that vary over a surface.
@@ -124,6 +138,9 @@ impl<const N: usize> Field<N> {
                 for (k, (value, call)) in values.iter_mut().zip(functions).enumerate() {
                     *value = call.of(&found, k, seen)?;
                 }
+            }
+            Source::Text { text, foreground, background } => {
+                values = if text.covers(seen.position()) { *foreground } else { *background };
             }
         }
         Ok(values)

@@ -12,11 +12,9 @@ use std::sync::Arc;
 use bsdftree::color::rgb_from_xyz;
 
 use super::data::Dimension;
+use super::raster::{Bytes, MOST_BYTES};
 use super::space::File;
 use crate::error::DeviceError;
-
-/// Most pixels of a picture.
-const MOST_PIXELS: usize = 1 << 27;
 
 /// Bytes of a mantissa each, and a common exponent.
 type Pixel = [u8; 4];
@@ -89,194 +87,95 @@ fn real([a, b, c, exponent]: Pixel) -> [f64; 3] {
 
 fn read(bytes: &[u8], file: File) -> Result<Picture, String> {
     let mut bytes = Bytes { all: bytes, at: 0 };
-    let header = bytes.header()?;
-    let size = Size::parse(bytes.line()?)?;
-    let [width, height] = size.pixels;
-    if width < 2 || height < 2 {
-        return Err(format!(
-            "it has {width} × {height} pixels; expected at least 2 × 2 to interpolate between"
-        ));
-    }
+    let mut is_xyz = false;
+    let aspect = bytes.header(|name, value| {
+        if name == "FORMAT" {
+            is_xyz = match value {
+                "32-bit_rle_rgbe" => false,
+                "32-bit_rle_xyze" => true,
+                "Radiance_spectra" => {
+                    return Err(
+                        "it is a picture of spectra, for specpict; expected one of colours".to_owned()
+                    );
+                }
+                other => {
+                    return Err(format!(
+                        "its format is '{other}'; expected 32-bit_rle_rgbe or 32-bit_rle_xyze"
+                    ));
+                }
+            };
+        }
+        Ok(())
+    })?;
+    let size = bytes.size()?;
+    let ([width, height], [n_lines, length]) = (size.pixels, size.lines());
     // A run of the old kind may stand for many pixels, but not for more lines than there are.
-    let [n_lines, length] = if size.y_first { [height, width] } else { [width, height] };
-    if width.saturating_mul(height) > MOST_PIXELS || n_lines > bytes.left() {
-        return Err(format!(
-            "it says it has {width} × {height} pixels, but it has {} bytes for them",
-            bytes.left()
-        ));
+    if width.saturating_mul(height) > MOST_BYTES / size_of::<Pixel>() || n_lines > bytes.left() {
+        return Err(bytes.too_few(&size));
     }
     let mut pixels = vec![[0; 4]; width * height];
     let mut line = vec![[0; 4]; length];
     for k in 0..n_lines {
-        bytes.scanline(&mut line).map_err(|reason| format!("{reason} at byte {}", bytes.at))?;
+        scanline(&mut bytes, &mut line).map_err(|reason| format!("{reason} at byte {}", bytes.at))?;
         for (i, pixel) in line.iter().enumerate() {
-            let [mut x, mut y] = if size.y_first { [i, k] } else { [k, i] };
-            if size.down[0] {
-                x = width - 1 - x;
-            }
-            if size.down[1] {
-                y = height - 1 - y;
-            }
-            pixels[y * width + x] = *pixel;
+            pixels[size.place(k, i)] = *pixel;
         }
     }
-    let (w, h) = (width as f64, height as f64 * header.aspect);
-    let shorter = w.min(h);
-    let even = |extent: f64, n| Dimension::Even { ends: [0.0, extent / shorter], n };
-    Ok(Picture { file, is_xyz: header.is_xyz, dimensions: [even(h, height), even(w, width)], pixels })
+    Ok(Picture { file, is_xyz, dimensions: size.dimensions(aspect), pixels })
 }
 
-struct Header {
-    is_xyz: bool,
-    /// Height over width of a pixel.
-    aspect: f64,
-}
-
-/// The line after the header, such as `-Y 512 +X 768`.
-struct Size {
-    /// Width and height.
-    pixels: [usize; 2],
-    /// Whether scanlines are rows.
-    y_first: bool,
-    /// Whether x and y run downwards.
-    down: [bool; 2],
-}
-
-impl Size {
-    fn parse(line: &str) -> Result<Size, String> {
-        let wrong = || format!("expected its size, such as '-Y 512 +X 768', found '{}'", line.trim());
-        let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let [first, n_first, second, n_second] = words[..] else { return Err(wrong()) };
-        let axis = |name: &str| match name {
-            "+X" => Some((0, false)),
-            "-X" => Some((0, true)),
-            "+Y" => Some((1, false)),
-            "-Y" => Some((1, true)),
-            _ => None,
-        };
-        let mut size = Size { pixels: [0; 2], y_first: false, down: [false; 2] };
-        for (name, n) in [(first, n_first), (second, n_second)] {
-            let ((k, down), n) =
-                axis(name).zip(n.parse().ok().filter(|&n: &usize| n > 0)).ok_or_else(wrong)?;
-            size.pixels[k] = n;
-            size.down[k] = down;
-        }
-        size.y_first = first.ends_with('Y');
-        if size.pixels.contains(&0) { Err(wrong()) } else { Ok(size) }
+/// A line of pixels, each component in runs, or else pixels in runs, or plain.
+fn scanline(bytes: &mut Bytes, line: &mut [Pixel]) -> Result<(), String> {
+    let n = line.len();
+    let lead: Pixel = bytes.take()?;
+    if lead[0] != 2 || lead[1] != 2 || lead[2] & 0x80 != 0 {
+        bytes.at -= 4;
+        return pixel_runs(bytes, line);
     }
-}
-
-struct Bytes<'a> {
-    all: &'a [u8],
-    at: usize,
-}
-
-impl<'a> Bytes<'a> {
-    fn left(&self) -> usize {
-        self.all.len() - self.at
+    let said = usize::from(lead[2]) << 8 | usize::from(lead[3]);
+    if said != n {
+        return Err(format!("a line says it has {said} pixels; expected {n}"));
     }
-
-    fn line(&mut self) -> Result<&'a str, String> {
-        let rest = &self.all[self.at..];
-        let end = rest.iter().position(|&b| b == b'\n').ok_or("it ends within its header")?;
-        self.at += end + 1;
-        std::str::from_utf8(&rest[..end]).or(Ok(""))
-    }
-
-    fn header(&mut self) -> Result<Header, String> {
-        if !self.all.starts_with(b"#?") {
-            return Err("it is no Radiance picture: expected '#?RADIANCE' at its beginning".to_owned());
-        }
-        let mut header = Header { is_xyz: false, aspect: 1.0 };
-        loop {
-            let line = self.line()?.trim();
-            if line.is_empty() {
-                break;
+    for component in 0..4 {
+        let mut i = 0;
+        while i < n {
+            let [count] = bytes.take()?;
+            let (run, count) = (count > 128, usize::from(if count > 128 { count & 127 } else { count }));
+            if count == 0 || i + count > n {
+                return Err(format!("a run of {count} bytes where {} are missing", n - i));
             }
-            if let Some(format) = line.strip_prefix("FORMAT=") {
-                header.is_xyz = match format.trim() {
-                    "32-bit_rle_rgbe" => false,
-                    "32-bit_rle_xyze" => true,
-                    other => {
-                        return Err(format!(
-                            "its format is '{other}'; expected 32-bit_rle_rgbe or 32-bit_rle_xyze"
-                        ));
-                    }
-                };
-            } else if let Some(aspect) = line.strip_prefix("PIXASPECT=") {
-                match aspect.trim().parse::<f64>() {
-                    Ok(a) if a.is_finite() && a > 0.0 => header.aspect *= a,
-                    _ => {
-                        return Err(format!(
-                            "its PIXASPECT is '{}'; expected a number above 0",
-                            aspect.trim()
-                        ));
-                    }
+            let mut value = [0];
+            for k in 0..count {
+                if !run || k == 0 {
+                    value = bytes.take()?;
                 }
+                line[i + k][component] = value[0];
             }
+            i += count;
         }
-        Ok(header)
     }
+    Ok(())
+}
 
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        let taken = self.all.get(self.at..self.at + N).ok_or("it ends within its pixels")?;
-        self.at += N;
-        Ok(taken.try_into().expect("N bytes"))
+/// Pixels, of which (1, 1, 1, n) repeats the one before n times; after another such, 256 times as often.
+fn pixel_runs(bytes: &mut Bytes, line: &mut [Pixel]) -> Result<(), String> {
+    let (mut i, mut shift) = (0, 0);
+    while i < line.len() {
+        let pixel: Pixel = bytes.take()?;
+        if pixel[..3] != [1, 1, 1] || i == 0 {
+            line[i] = pixel;
+            i += 1;
+            shift = 0;
+            continue;
+        }
+        let count = if shift < 32 { usize::from(pixel[3]) << shift } else { 0 };
+        let end = i.saturating_add(count).min(line.len());
+        let before = line[i - 1];
+        line[i..end].fill(before);
+        i = end;
+        shift += 8;
     }
-
-    /// A line of pixels, each component in runs, or else pixels in runs, or plain.
-    fn scanline(&mut self, line: &mut [Pixel]) -> Result<(), String> {
-        let n = line.len();
-        let lead: Pixel = self.take()?;
-        if lead[0] != 2 || lead[1] != 2 || lead[2] & 0x80 != 0 {
-            self.at -= 4;
-            return self.pixel_runs(line);
-        }
-        let said = usize::from(lead[2]) << 8 | usize::from(lead[3]);
-        if said != n {
-            return Err(format!("a line says it has {said} pixels; expected {n}"));
-        }
-        for component in 0..4 {
-            let mut i = 0;
-            while i < n {
-                let [count] = self.take()?;
-                let (run, count) = (count > 128, usize::from(if count > 128 { count & 127 } else { count }));
-                if count == 0 || i + count > n {
-                    return Err(format!("a run of {count} bytes where {} are missing", n - i));
-                }
-                let mut value = [0];
-                for k in 0..count {
-                    if !run || k == 0 {
-                        value = self.take()?;
-                    }
-                    line[i + k][component] = value[0];
-                }
-                i += count;
-            }
-        }
-        Ok(())
-    }
-
-    /// Pixels, of which (1, 1, 1, n) repeats the one before n times; after another such, 256 times as often.
-    fn pixel_runs(&mut self, line: &mut [Pixel]) -> Result<(), String> {
-        let (mut i, mut shift) = (0, 0);
-        while i < line.len() {
-            let pixel: Pixel = self.take()?;
-            if pixel[..3] != [1, 1, 1] || i == 0 {
-                line[i] = pixel;
-                i += 1;
-                shift = 0;
-                continue;
-            }
-            let count = if shift < 32 { usize::from(pixel[3]) << shift } else { 0 };
-            let end = i.saturating_add(count).min(line.len());
-            let before = line[i - 1];
-            line[i..end].fill(before);
-            i = end;
-            shift += 8;
-        }
-        Ok(())
-    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -386,7 +285,7 @@ mod tests {
             (
                 "#?RADIANCE\nFORMAT=Radiance_spectra\n\n".to_owned(),
                 vec![],
-                "its format is 'Radiance_spectra'",
+                "it is a picture of spectra, for specpict",
             ),
             (HEAD.to_owned(), vec![], "it ends within its header"),
             (size("-Y 2"), vec![], "expected its size, such as '-Y 512 +X 768', found '-Y 2'"),

@@ -171,6 +171,11 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
+    /// Where, in the function's coordinates.
+    pub fn position(&self) -> DVec3 {
+        self.space.function_from_device.transform_point3(self.ray.position)
+    }
+
     /// What is wrong where a formula has no finite value.
     pub fn no_value(&self, formula: &Arc<str>) -> FieldProblem {
         let file = self.space.file.path.clone();
@@ -185,9 +190,7 @@ impl Inputs for Seen<'_> {
         match n {
             cal::DIRECTION..cal::NORMAL => direction(cal::DIRECTION, ray.direction),
             cal::NORMAL..cal::POSITION => direction(cal::NORMAL, ray.normal),
-            cal::POSITION..cal::TOTAL_DISTANCE => {
-                space.function_from_device.transform_point3(ray.position)[(n - cal::POSITION) as usize]
-            }
+            cal::POSITION..cal::TOTAL_DISTANCE => self.position()[(n - cal::POSITION) as usize],
             cal::TOTAL_DISTANCE => ray.traveled * space.scale,
             cal::COSINE => (-ray.direction.dot(ray.normal)).clamp(-1.0, 1.0),
             cal::SCALE => space.scale * space.unit,

@@ -1,20 +1,19 @@
 //! Spectra of patterns: how a colour depends on the wavelength.
 //!
-//! In: `spectrum` (samples at even wavelengths), `specfile` (a data file of one dimension), `specfunc` (a function of the
-//! wavelength and of the place). Out: [`Spectral`], wavelengths and values, which multiply what a material reflects and
-//! transmits. A tracer that carries bands takes its means over them; one that carries RGB takes [`Spectral::rgb`], as
-//! Radiance does. Source: Radiance's reference manual ("Patterns").
+//! In: `spectrum` (samples at even wavelengths), `specfile` (a data file of one dimension); and, as they depend on the place,
+//! `specfunc` (a function of the wavelength), `specdata` (a data file whose last dimension is the wavelength) and `specpict` (a
+//! picture of spectra). Out: [`Spectral`], wavelengths and values, which multiply what a material reflects and transmits.
+//! Source: Radiance's reference manual ("Patterns"). Deviation: wavelengths that a data file lists are taken as listed.
 
 use std::sync::Arc;
 
-use bsdftree::color::rgb_from_xyz;
 use glam::DVec3;
 
-use super::FieldError;
-use super::formula::Call;
+use super::data::DataArray;
+use super::formula::{Call, Formulas};
+use super::hyperspectral::SpectralPicture;
 use super::space::{File, RayState, Seen, Space};
-use crate::mgf::color::towards_grey;
-use crate::mgf::observer;
+use super::{FieldError, FieldProblem};
 
 /// A factor that depends on the wavelength.
 ///
@@ -53,52 +52,67 @@ impl Spectral {
         ]
     }
 
-    /// The mean over a band \[nm\], where the band is not covered taken as 0.
-    pub fn mean(&self, [from, to]: [f64; 2]) -> f64 {
-        let parts = self.values.iter().enumerate().map(|(k, value)| {
-            let [low, high] = self.interval_nm(k);
-            value * (high.min(to) - low.max(from)).max(0.0)
-        });
-        parts.sum::<f64>() / (to - from)
-    }
-
-    /// Red, green and blue in Radiance's primaries: those of X, Y, Z by the CIE 1931 observer under light of equal energy, moved
-    /// towards grey of the same luminance as far as one of them would be negative.
-    pub fn rgb(&self) -> [f64; 3] {
-        let n = self.values.len();
-        let first = self.interval_nm(0)[0];
-        let value = |nm: f64| {
-            // The first interval that reaches so far; ends of intervals ascend.
-            let (mut k, mut beyond) = (0, n);
-            while k < beyond {
-                let middle = (k + beyond) / 2;
-                if self.interval_nm(middle)[1] < nm { k = middle + 1 } else { beyond = middle }
-            }
-            if nm < first { 0.0 } else { self.values.get(k).copied().unwrap_or(0.0) }
-        };
-        let xyz = observer::xyz(value);
-        towards_grey(rgb_from_xyz(xyz).into(), xyz[1], 0.0..=f64::INFINITY).to_array()
+    /// The ends of all that it says something of \[nm\].
+    pub fn range_nm(&self) -> [f64; 2] {
+        [self.interval_nm(0)[0], self.interval_nm(self.values.len() - 1)[1]]
     }
 }
 
-/// `specfunc`: a spectrum that is a function.
+/// A spectrum that depends on the place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SpectralFunction {
-    /// Coordinates and arguments; the first two arguments are the wavelengths the function is defined between.
+pub struct SpectralField {
+    /// Coordinates and arguments.
     pub space: Arc<Space>,
-    /// Called with a wavelength \[nm\].
-    pub function: Call,
-    /// Where it is defined, the shorter one first \[nm\].
-    pub range_nm: [f64; 2],
+    /// Where its values come from.
+    pub source: SpectralSource,
 }
 
-impl SpectralFunction {
-    /// Most samples, one each 5 nm of the visible range.
+/// Where the values of a [`SpectralField`] come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpectralSource {
+    /// `specfunc`: a function of the wavelength.
+    Function {
+        /// Called with a wavelength \[nm\].
+        function: Call,
+        /// Where it is defined, the shorter one first \[nm\].
+        range_nm: [f64; 2],
+    },
+    /// `specdata`: data of which the last dimension is the wavelength.
+    Data {
+        /// Called with a value and its wavelength \[nm\].
+        function: Call,
+        /// Of one dimension more than there are coordinates.
+        data: Arc<DataArray>,
+        /// Of the other dimensions.
+        coordinates: Formulas,
+    },
+    /// `specpict`: a picture of spectra.
+    Picture {
+        /// Called with a value and its wavelength \[nm\].
+        function: Call,
+        /// The picture.
+        picture: Arc<SpectralPicture>,
+        /// u and v.
+        coordinates: Formulas,
+    },
+}
+
+impl SpectralField {
+    /// Samples of a function, one each 5 nm of the visible range.
     const SAMPLES: usize = 80;
 
     /// The same in a device that is turned by a rotation.
-    pub fn turned(&self, turn: impl Fn(DVec3) -> DVec3) -> SpectralFunction {
-        SpectralFunction { space: Arc::new(self.space.turned(turn)), ..self.clone() }
+    pub fn turned(&self, turn: impl Fn(DVec3) -> DVec3) -> SpectralField {
+        SpectralField { space: Arc::new(self.space.turned(turn)), source: self.source.clone() }
+    }
+
+    /// The wavelengths that it says something of, the shorter one first \[nm\].
+    pub fn range_nm(&self) -> [f64; 2] {
+        match &self.source {
+            SpectralSource::Function { range_nm, .. } => *range_nm,
+            SpectralSource::Data { data, .. } => reach(last_of(data)),
+            SpectralSource::Picture { picture, .. } => reach(picture.wavelengths_nm.clone()),
+        }
     }
 
     /// The spectrum for a ray at a surface.
@@ -106,16 +120,54 @@ impl SpectralFunction {
     /// # Errors
     /// A function that fails, or whose value is not finite.
     pub fn at(&self, ray: &RayState) -> Result<Spectral, FieldError> {
-        let seen = Seen { ray, space: &self.space };
-        let [short, long] = self.range_nm;
-        let step = (long - short) / Self::SAMPLES as f64;
-        let wavelengths_nm: Vec<f64> = (0..Self::SAMPLES).map(|k| short + (k as f64 + 0.5) * step).collect();
-        let mut values = Vec::with_capacity(Self::SAMPLES);
-        for nm in &wavelengths_nm {
-            values.push(self.function.call(&[*nm], &seen).map_err(|reason| self.space.error(reason))?);
-        }
-        Ok(Spectral { wavelengths_nm, values, file: None })
+        self.spectrum(&Seen { ray, space: &self.space }).map_err(|reason| self.space.error(reason))
     }
+
+    fn spectrum(&self, seen: &Seen) -> Result<Spectral, FieldProblem> {
+        let (wavelengths, values) = match &self.source {
+            SpectralSource::Function { function, range_nm: [short, long] } => {
+                let step = (long - short) / Self::SAMPLES as f64;
+                let wavelengths: Vec<f64> =
+                    (0..Self::SAMPLES).map(|k| short + (k as f64 + 0.5) * step).collect();
+                let values = wavelengths.iter().map(|&nm| function.call(&[nm], seen));
+                let values = values.collect::<Result<Vec<_>, _>>()?;
+                (wavelengths, values)
+            }
+            SpectralSource::Data { function, data, coordinates } => {
+                let mut point = [0.0; DataArray::MOST_DIMENSIONS];
+                let point = &mut point[..coordinates.len()];
+                coordinates.evaluate(seen, point)?;
+                let wavelengths = last_of(data);
+                let values = called(function, &data.along_last(point), &wavelengths, seen)?;
+                (wavelengths, values)
+            }
+            SpectralSource::Picture { function, picture, coordinates } => {
+                let mut at = [0.0; 2];
+                coordinates.evaluate(seen, &mut at)?;
+                let found = picture.values(at[0], at[1]);
+                let values = called(function, &found, &picture.wavelengths_nm, seen)?;
+                (picture.wavelengths_nm.clone(), values)
+            }
+        };
+        Ok(Spectral::new(wavelengths, values).expect("wavelengths in steady order"))
+    }
+}
+
+/// What a function makes of values and their wavelengths.
+fn called(function: &Call, values: &[f64], nm: &[f64], seen: &Seen) -> Result<Vec<f64>, FieldProblem> {
+    values.iter().zip(nm).map(|(&value, &nm)| function.call(&[value, nm], seen)).collect()
+}
+
+/// The last dimension.
+fn last_of(data: &DataArray) -> Vec<f64> {
+    let last = data.dimensions().last().expect("dimensions");
+    (0..last.n()).map(|k| last.abscissa(k)).collect()
+}
+
+/// The ends of the first and the last interval.
+fn reach(wavelengths_nm: Vec<f64>) -> [f64; 2] {
+    let values = vec![0.0; wavelengths_nm.len()];
+    Spectral::new(wavelengths_nm, values).expect("wavelengths in steady order").range_nm()
 }
 
 #[cfg(test)]
@@ -123,27 +175,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_white_spectrum_is_white() {
-        let white = Spectral::new(vec![380.0, 480.0, 580.0, 680.0, 780.0], vec![0.5; 5]).unwrap();
-        assert!(white.rgb().iter().all(|c| (c - 0.5).abs() < 1e-15));
-    }
-
-    #[test]
-    fn what_is_not_covered_is_black() {
-        let line = Spectral::new(vec![650.0, 640.0], vec![1.0, 0.0]).unwrap();
-        assert_eq!(line.mean([655.0, 700.0]), 0.0);
-        assert!((line.mean([640.0, 660.0]) - 0.5).abs() < 1e-12);
-        let [r, g, b] = line.rgb();
-        // A red line is outside of the primaries' triangle.
-        assert!(r > 0.01 && (0.0..1e-3).contains(&g.min(b)), "{r} {g} {b}");
-    }
-
-    #[test]
-    fn means_over_all_intervals_are_the_integral() {
-        let s = Spectral::new(vec![400.0, 410.0, 440.0, 500.0], vec![1.0, 2.0, 3.0, 4.0]).unwrap();
-        let [from, to] = [s.interval_nm(0)[0], s.interval_nm(3)[1]];
-        assert_eq!([from, to], [395.0, 530.0]);
-        assert!((s.mean([from, to]) * (to - from) - (10.0 + 40.0 + 135.0 + 240.0)).abs() < 1e-9);
+    fn values_stand_for_intervals_that_meet_half_way() {
+        let s = Spectral::new(vec![500.0, 440.0, 410.0, 400.0], vec![4.0, 3.0, 2.0, 1.0]).unwrap();
+        assert_eq!(s.values, [1.0, 2.0, 3.0, 4.0]);
+        let intervals: Vec<_> = (0..4).map(|k| s.interval_nm(k)).collect();
+        assert_eq!(intervals, [[395.0, 405.0], [405.0, 425.0], [425.0, 470.0], [470.0, 530.0]]);
+        assert_eq!(s.range_nm(), [395.0, 530.0]);
     }
 
     #[test]

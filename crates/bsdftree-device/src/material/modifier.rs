@@ -5,24 +5,23 @@
 
 use glam::DVec3;
 
-use crate::field::{Field, Spectral, SpectralFunction};
+use crate::field::{Field, Spectral, SpectralField};
 
 /// A modifier that is not a material.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Modifier {
-    /// `brightfunc`, `brightdata`: a factor on all colours, ≥ 0 where it makes sense.
+    /// `brightfunc`, `brightdata`, `brighttext`: a factor on all colours, ≥ 0 where it makes sense.
     Brightness(Field<1>),
-    /// `colorfunc`, `colordata`, `colorpict`: a factor on red, green, blue.
+    /// `colorfunc`, `colordata`, `colorpict`, `colortext`: a factor on red, green, blue.
     Color(Field<3>),
-    /// `spectrum`, `specfile`: a factor that depends on the wavelength, the same everywhere. A tracer of bands takes
-    /// [`Spectral::mean`] over each; one of RGB takes [`Spectral::rgb`].
+    /// `spectrum`, `specfile`: a factor that depends on the wavelength, the same everywhere.
     Spectrum(Spectral),
-    /// `specfunc`: a factor that depends on the wavelength and on the place.
-    SpectralFunction(SpectralFunction),
+    /// `specfunc`, `specdata`, `specpict`: a factor that depends on the wavelength and on the place.
+    SpectralField(SpectralField),
     /// `texfunc`, `texdata`: what is added to the unit normal of the front, in the function's coordinates
     /// ([`Field::vector`]).
     Texture(Field<3>),
-    /// `mixfunc`, `mixdata`, `mixpict` of modifiers without materials.
+    /// `mixfunc`, `mixdata`, `mixpict`, `mixtext` of modifiers without materials.
     Mixture {
         /// How much of the foreground, in [0, 1] once it is limited to that.
         amount: Field<1>,
@@ -41,7 +40,7 @@ impl Modifier {
             Modifier::Brightness(field) => Modifier::Brightness(field.turned(turn)),
             Modifier::Color(field) => Modifier::Color(field.turned(turn)),
             Modifier::Spectrum(spectrum) => Modifier::Spectrum(spectrum.clone()),
-            Modifier::SpectralFunction(function) => Modifier::SpectralFunction(function.turned(turn)),
+            Modifier::SpectralField(field) => Modifier::SpectralField(field.turned(turn)),
             Modifier::Texture(field) => Modifier::Texture(field.turned(turn)),
             Modifier::Mixture { amount, foreground, background } => Modifier::Mixture {
                 amount: amount.turned(turn),
@@ -55,7 +54,7 @@ impl Modifier {
     pub fn is_neutral(&self) -> bool {
         match self {
             Modifier::Brightness(_) | Modifier::Texture(_) => true,
-            Modifier::Color(_) | Modifier::Spectrum(_) | Modifier::SpectralFunction(_) => false,
+            Modifier::Color(_) | Modifier::Spectrum(_) | Modifier::SpectralField(_) => false,
             Modifier::Mixture { foreground, background, .. } => {
                 foreground.iter().chain(background).all(Modifier::is_neutral)
             }

@@ -115,7 +115,7 @@ impl Color {
 }
 
 /// A colour, moved towards grey of its luminance until all of it is in the range.
-pub(crate) fn towards_grey(rgb: DVec3, luminance: f64, range: std::ops::RangeInclusive<f64>) -> DVec3 {
+pub(super) fn towards_grey(rgb: DVec3, luminance: f64, range: std::ops::RangeInclusive<f64>) -> DVec3 {
     let (low, high) = (rgb.min_element(), rgb.max_element());
     let mut keep: f64 = 1.0;
     if low < *range.start() {

@@ -20,7 +20,7 @@ mod formula;
 mod frame;
 mod geometry;
 mod material;
-pub(crate) mod observer;
+mod observer;
 mod palette;
 mod piece;
 mod place;

@@ -23,7 +23,7 @@ use super::optics;
 use super::problem::Problem;
 use super::statement::{Primitive, quoted};
 use super::transform::Transform;
-use super::types::{self, Class};
+use super::types::Class;
 use crate::error::{DeviceError, Place};
 use crate::field::Field;
 use crate::material::{Material, Modifier, PartModifiers};
@@ -181,12 +181,10 @@ impl Definitions {
         notices: &mut Vec<String>,
     ) -> Result<Described<Own>, DeviceError> {
         let standing = setting.standing;
-        if let Class::UnsupportedModifier(kind) = p.class {
-            let what = match kind {
-                "material" => format!("material type '{}' (modifier \"{}\")", p.kind, p.name),
-                _ => format!("{kind} '{}' (modifier \"{}\")", p.kind, p.name),
-            };
-            return Ok(Err(Rc::new(Problem::unsupported(standing.at, what, types::advice(kind)))));
+        if p.class == Class::UnsupportedMaterial {
+            let what = format!("material type '{}' (modifier \"{}\")", p.kind, p.name);
+            let advice = "a device has no medium that scatters: say what it does by trans, or by a BSDF";
+            return Ok(Err(Rc::new(Problem::unsupported(standing.at, what, advice))));
         }
         if p.kind == "illum" {
             material::check_counts(p, standing.at)?;

@@ -13,7 +13,7 @@ use super::problem::Problem;
 use super::statement::Primitive;
 use super::transform::{self, Transform};
 use crate::error::DeviceError;
-use crate::field::{Call, DataArray, Field, Formulas, LobeFunction, Origin, Source, Space};
+use crate::field::{Call, DataArray, Field, File, Formulas, LobeFunction, Origin, Source, Space};
 
 /// Reads the arguments of one primitive.
 pub(super) struct FieldReader<'a> {
@@ -174,24 +174,24 @@ impl FieldReader<'_> {
             let expected = format!("{} in {}", wrong.expected, self.name());
             Rc::new(Problem::value(self.standing.at, expected, wrong.found))
         })?;
+        let space = self.space_of(functions.file.clone(), &own)?;
+        let notice = (n_extra > 0).then(|| {
+            let words = rest[..n_extra].join(" ");
+            format!("string arguments that nothing asks for are left out: {}", super::quoted(&words))
+        });
+        Ok((space, notice))
+    }
+
+    /// Coordinates that a transformation moves to the scene's, for what is in a file.
+    pub(super) fn space_of(&self, file: File, own: &Transform) -> Result<Arc<Space>, Rc<Problem>> {
         let total = own.then(self.to);
         if !total.is_finite() {
             let expected = format!("a transformation within the range of numbers in {}", self.name());
             return Err(Rc::new(Problem::value(self.standing.at, expected, "an overflow")));
         }
-        let space = Space::new(
-            self.origin(),
-            functions.file.clone(),
-            self.p.reals.clone().into(),
-            total.affine(),
-            total.scale,
-            self.unit,
-        );
-        let notice = (n_extra > 0).then(|| {
-            let words = rest[..n_extra].join(" ");
-            format!("string arguments that nothing asks for are left out: {}", super::quoted(&words))
-        });
-        Ok((Arc::new(space), notice))
+        let arguments = self.p.reals.clone().into();
+        let space = Space::new(self.origin(), file, arguments, total.affine(), total.scale, self.unit);
+        Ok(Arc::new(space))
     }
 
     fn origin(&self) -> Origin {

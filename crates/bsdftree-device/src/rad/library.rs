@@ -1,4 +1,4 @@
-//! Function files, data files and pictures that modifiers name, each read once.
+//! Function files, data files, pictures and fonts that modifiers name, each read once.
 //!
 //! In: names as they stand in a scene. Out: what is in the files, or the [`Problem`] that arises if a surface needs it. They are
 //! found as scene files are; see [`files`](super::files). Deviation from Radiance: each file is read with
@@ -13,11 +13,11 @@ use super::files::{self, Files};
 use super::problem::Problem;
 use crate::cal::Context;
 use crate::error::Place;
-use crate::field::{DataArray, File, Picture, digest};
+use crate::field::{DataArray, File, Font, Picture, SpectralPicture, digest};
 use crate::material::BsdfFile;
 
-/// Largest function file, data file, picture and BSDF \[byte\].
-const LARGEST: [u64; 4] = [16 << 20, 1 << 30, 1 << 30, 4 << 30];
+/// Largest function file, data file, picture, BSDF and font or text \[byte\].
+const LARGEST: [u64; 5] = [16 << 20, 1 << 30, 1 << 30, 4 << 30, 16 << 20];
 
 /// Where a statement stands.
 pub(super) struct Standing<'a> {
@@ -44,6 +44,8 @@ pub(super) struct Library {
     functions: HashMap<PathBuf, Result<Rc<Functions>, Rc<Problem>>>,
     data: HashMap<PathBuf, Result<Arc<DataArray>, Rc<Problem>>>,
     pictures: HashMap<PathBuf, Result<Arc<Picture>, Rc<Problem>>>,
+    spectral_pictures: HashMap<PathBuf, Result<Arc<SpectralPicture>, Rc<Problem>>>,
+    fonts: HashMap<PathBuf, Result<Arc<Font>, Rc<Problem>>>,
     bsdfs: HashMap<PathBuf, Result<Rc<Told<BsdfFile>>, Rc<Problem>>>,
 }
 
@@ -87,6 +89,36 @@ impl Library {
             Picture::parse(&bytes, file).map(Arc::new).map_err(|e| problem(standing, &e))
         };
         self.pictures.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+    }
+
+    /// A picture of spectra.
+    pub(super) fn spectral_picture(
+        &mut self,
+        name: &str,
+        standing: &Standing,
+    ) -> Result<Arc<SpectralPicture>, Rc<Problem>> {
+        let path = find(name, standing)?;
+        let read = |path: &Path| {
+            let (bytes, file) = bytes(path, LARGEST[2], standing)?;
+            SpectralPicture::parse(&bytes, file).map(Arc::new).map_err(|e| problem(standing, &e))
+        };
+        self.spectral_pictures.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+    }
+
+    /// A font.
+    pub(super) fn font(&mut self, name: &str, standing: &Standing) -> Result<Arc<Font>, Rc<Problem>> {
+        let path = find(name, standing)?;
+        let read = |path: &Path| {
+            let (text, file) = text(path, LARGEST[4], standing)?;
+            Font::parse(&text, file).map(Arc::new).map_err(|e| problem(standing, &e))
+        };
+        self.fonts.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+    }
+
+    /// The bytes of a text file.
+    pub(super) fn text(&self, name: &str, standing: &Standing) -> Result<(File, Vec<u8>), Rc<Problem>> {
+        let (bytes, file) = bytes(&find(name, standing)?, LARGEST[4], standing)?;
+        Ok((file, bytes))
     }
 
     /// A BSDF.

@@ -9,8 +9,9 @@ use super::field::{FieldReader, Layout};
 use super::library::Standing;
 use super::problem::Problem;
 use super::statement::Primitive;
+use super::{spectral, text};
 use crate::error::DeviceError;
-use crate::field::{Field, Spectral, SpectralFunction};
+use crate::field::Field;
 use crate::material::Modifier;
 
 /// A modifier or an amount, and what the user should know if it is used.
@@ -38,7 +39,8 @@ fn layout(kind: &str) -> Layout {
         "colorfunc" | "texfunc" => {
             Layout { n_functions: 3, expected: "formula formula formula funcfile [transform]", ..FORMULA }
         }
-        "brightdata" => DATA,
+        "brightdata" | "specdata" => DATA,
+        "specpict" => Layout { picture: true, expected: "func specfile funcfile u v [transform]", ..DATA },
         "colordata" | "texdata" => Layout {
             n_functions: 3,
             n_data: 3,
@@ -70,26 +72,11 @@ fn layout(kind: &str) -> Layout {
 
 /// An error if the numbers of arguments do not fit the type.
 pub(super) fn check_counts(p: &Primitive, standing: &Standing) -> Result<(), DeviceError> {
-    let (right, expected) = match &*p.kind {
-        "spectrum" => (
-            p.strings.is_empty() && p.reals.len() >= 5,
-            "no string and at least 5 real arguments (nmA nmB s1 s2 s3 …)",
-        ),
-        "specfile" => {
-            (p.strings.len() == 1 && p.reals.is_empty(), "1 string argument (datafile) and no real ones")
-        }
-        "specfunc" if p.reals.len() < 2 => (false, "at least 2 real arguments (nmA nmB)"),
-        _ => return layout(&p.kind).check(p, standing),
-    };
-    if right {
-        return Ok(());
+    if text::is_one(&p.kind) {
+        return text::check_counts(p, standing);
     }
-    Err(DeviceError::Unexpected {
-        at: standing.at.clone(),
-        expected: format!("{expected} of {} \"{}\"", p.kind, p.name),
-        found: format!("{} and {}", p.strings.len(), p.reals.len()),
-        advice: String::new(),
-    })
+    spectral::check_counts(p, standing)?;
+    if spectral::has_functions(&p.kind) { layout(&p.kind).check(p, standing) } else { Ok(()) }
 }
 
 /// The modifier of a pattern or texture whose counts are right.
@@ -105,56 +92,16 @@ pub(super) fn describe(mut reader: FieldReader) -> Described<Modifier> {
         "texfunc" | "texdata" => {
             reader.field(layout).map(|(field, notice)| (Modifier::Texture(field), notice))
         }
-        "specfunc" => specfunc(&mut reader, layout),
-        "spectrum" => spectrum(&reader),
-        _ => specfile(&mut reader),
+        "brighttext" => text::field(&mut reader).map(|field| (Modifier::Brightness(field), None)),
+        "colortext" => text::field(&mut reader).map(|field| (Modifier::Color(field), None)),
+        _ => spectral::describe(&mut reader, layout),
     }
 }
 
 /// How much a mixture has of its foreground.
 pub(super) fn amount(mut reader: FieldReader) -> Described<Field<1>> {
-    reader.field(layout(&reader.p.kind))
-}
-
-fn specfunc(reader: &mut FieldReader, layout: Layout) -> Described<Modifier> {
-    let functions = reader.functions(layout)?;
-    let function = reader.call(&functions, &reader.p.strings[0], 1)?;
-    let (space, notice) = reader.space(&functions, layout.file() + 1)?;
-    let [a, b] = [reader.p.reals[0], reader.p.reals[1]];
-    if a == b {
-        return Err(wrong_range(reader, &format!("{a} twice")));
+    match &*reader.p.kind {
+        "mixtext" => text::field(&mut reader).map(|field| (field, None)),
+        kind => reader.field(layout(kind)),
     }
-    let range_nm = [a.min(b), a.max(b)];
-    Ok((Modifier::SpectralFunction(SpectralFunction { space, function, range_nm }), notice))
-}
-
-fn spectrum(reader: &FieldReader) -> Described<Modifier> {
-    let [a, b, values @ ..] = &reader.p.reals[..] else { unreachable!("counts are right") };
-    let step = (b - a) / (values.len() - 1) as f64;
-    let wavelengths = (0..values.len()).map(|k| a + k as f64 * step).collect();
-    match Spectral::new(wavelengths, values.to_vec()) {
-        Some(spectral) => Ok((Modifier::Spectrum(spectral), None)),
-        None => Err(wrong_range(reader, &format!("{a} twice"))),
-    }
-}
-
-fn specfile(reader: &mut FieldReader) -> Described<Modifier> {
-    let data = reader.library.data(&reader.p.strings[0], reader.standing)?;
-    let [dimension] = data.dimensions() else {
-        let expected = format!("a data file of one dimension, wavelengths in nm, for {}", reader.name());
-        let found = format!("{} dimensions", data.dimensions().len());
-        return Err(Rc::new(Problem::value(reader.standing.at, expected, found)));
-    };
-    let wavelengths = (0..dimension.n()).map(|k| dimension.abscissa(k)).collect();
-    match Spectral::new(wavelengths, data.values().to_vec()) {
-        Some(spectral) => {
-            Ok((Modifier::Spectrum(Spectral { file: Some(data.file.clone()), ..spectral }), None))
-        }
-        None => Err(wrong_range(reader, "others")),
-    }
-}
-
-fn wrong_range(reader: &FieldReader, found: &str) -> Rc<Problem> {
-    let expected = format!("different wavelengths in {}", reader.name());
-    Rc::new(Problem::value(reader.standing.at, expected, found))
 }

@@ -146,7 +146,7 @@ impl Scene {
                     }
                     Class::Reference => self.referenced(p, directory, placement, &at)?,
                     Class::UnsupportedSurface => return Err(unsupported_surface(p, &at)),
-                    Class::Material | Class::Modifier | Class::Mixture | Class::UnsupportedModifier(_) => {
+                    Class::Material | Class::Modifier | Class::Mixture | Class::UnsupportedMaterial => {
                         let standing = Standing { at: &at, directory, files: &self.files };
                         let (to, unit) = (&placement.transform, self.options.unit.meters());
                         self.definitions.define(p, &Setting { standing: &standing, to, unit })?;

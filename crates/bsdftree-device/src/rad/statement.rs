@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::types::Class;
+use super::types::{self, Class};
 use super::words::{Lead, Word, Words};
 use crate::error::{DeviceError, Place};
 
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
                 kind.line,
                 "a Radiance type after the modifier",
                 quoted(kind.text),
-                "check the spelling, and the argument counts of the primitive before it",
+                types::advice(kind.text),
             ));
         };
         let kind = kind.text.to_owned();

@@ -15,8 +15,8 @@ pub(crate) enum Class {
     Reference,
     /// Geometry that it does not handle.
     UnsupportedSurface,
-    /// A modifier that it does not handle, and which kind of modifier.
-    UnsupportedModifier(&'static str),
+    /// A material that it does not handle.
+    UnsupportedMaterial,
 }
 
 impl Class {
@@ -29,24 +29,23 @@ impl Class {
             | "transfunc" | "BRTDfunc" | "plasdata" | "metdata" | "transdata" | "BSDF" | "aBSDF"
             | "ashik2" | "WGMDfunc" | "prism1" | "prism2" | "antimatter" => Class::Material,
             "texfunc" | "texdata" | "colorfunc" | "brightfunc" | "colordata" | "brightdata" | "colorpict"
-            | "spectrum" | "specfile" | "specfunc" => Class::Modifier,
-            "mixfunc" | "mixdata" | "mixpict" => Class::Mixture,
+            | "spectrum" | "specfile" | "specfunc" | "specdata" | "specpict" | "brighttext" | "colortext" => {
+                Class::Modifier
+            }
+            "mixfunc" | "mixdata" | "mixpict" | "mixtext" => Class::Mixture,
             "instance" | "mesh" => Class::Reference,
             "source" => Class::UnsupportedSurface,
-            "colortext" | "brighttext" | "specdata" | "specpict" => Class::UnsupportedModifier("pattern"),
-            "mixtext" => Class::UnsupportedModifier("mixture"),
-            "mist" | "sBSDF" => Class::UnsupportedModifier("material"),
+            "mist" => Class::UnsupportedMaterial,
             _ => return None,
         })
     }
 }
 
-/// What to do about a kind of modifier that is not handled.
+/// What to do about a word that is no type.
 pub(super) fn advice(kind: &str) -> &'static str {
     match kind {
-        "pattern" => "draw it into a picture for colorpict, or describe it by colorfunc or colordata",
-        "mixture" => "draw it into a picture for mixpict, or describe it by mixfunc or mixdata",
-        _ => "use plastic, metal, trans, their 2-forms, glass, dielectric, interface or mirror instead",
+        "BRTDdata" => "Radiance has no such material: use BRTDfunc, plasdata, metdata or transdata",
+        _ => "check the spelling, and the argument counts of the primitive before it",
     }
 }
 

@@ -9,7 +9,7 @@ use std::fmt::{self, Write};
 
 use glam::{DMat3, DVec3};
 
-use crate::field::{Field, Formulas, Source, Space};
+use crate::field::{Field, Formulas, Source, Space, SpectralField, SpectralSource, Words};
 use crate::material::{
     BrtdFunction, FunctionGloss, Gloss, GlossKind, Material, Measured, Medium, Modifier, Orientation,
     Redirection, Wgmd,
@@ -222,11 +222,13 @@ impl Writer<'_> {
 
     fn modifier(&mut self, behind: &str, name: &str, modifier: &Modifier) -> fmt::Result {
         match modifier {
-            Modifier::Brightness(field) => self.field(behind, ["brightfunc", "brightdata", ""], name, field),
-            Modifier::Color(field) => {
-                self.field(behind, ["colorfunc", "colordata", "colorpict"], name, field)
+            Modifier::Brightness(field) => {
+                self.field(behind, ["brightfunc", "brightdata", "", "brighttext"], name, field)
             }
-            Modifier::Texture(field) => self.field(behind, ["texfunc", "texdata", ""], name, field),
+            Modifier::Color(field) => {
+                self.field(behind, ["colorfunc", "colordata", "colorpict", "colortext"], name, field)
+            }
+            Modifier::Texture(field) => self.field(behind, ["texfunc", "texdata", "", ""], name, field),
             Modifier::Spectrum(spectral) => match &spectral.file {
                 Some(file) => self.primitive(behind, "specfile", name, &[file.path.to_string()], &[]),
                 None => {
@@ -235,12 +237,7 @@ impl Writer<'_> {
                     self.primitive(behind, "spectrum", name, &[], &reals)
                 }
             },
-            Modifier::SpectralFunction(function) => {
-                let mut strings =
-                    vec![function.function.name.to_string(), function.space.file.path.to_string()];
-                strings.extend(transformation(&function.space));
-                self.primitive(behind, "specfunc", name, &strings, &function.space.arguments)
-            }
+            Modifier::SpectralField(field) => self.spectral(behind, name, field),
             Modifier::Mixture { amount, foreground, background } => {
                 let sides = vec![self.modifiers(foreground)?, self.modifiers(background)?];
                 self.mixture(behind, name, sides, amount)
@@ -251,11 +248,28 @@ impl Writer<'_> {
     fn field<const N: usize>(
         &mut self,
         behind: &str,
-        kinds: [&str; 3],
+        kinds: [&str; 4],
         name: &str,
         field: &Field<N>,
     ) -> fmt::Result {
-        self.primitive(behind, kinds[form(field)], name, &strings_of(field), &field.space.arguments)
+        self.primitive(behind, kinds[form(field)], name, &strings_of(field), &reals_of(field))
+    }
+
+    fn spectral(&mut self, behind: &str, name: &str, field: &SpectralField) -> fmt::Result {
+        let file = field.space.file.path.to_string();
+        let (kind, mut strings) = match &field.source {
+            SpectralSource::Function { function, .. } => ("specfunc", vec![function.name.to_string(), file]),
+            SpectralSource::Data { function, data, coordinates } => {
+                let names = vec![function.name.to_string(), data.file.path.to_string(), file];
+                ("specdata", [names, texts(coordinates)].concat())
+            }
+            SpectralSource::Picture { function, picture, coordinates } => {
+                let names = vec![function.name.to_string(), picture.file.path.to_string(), file];
+                ("specpict", [names, texts(coordinates)].concat())
+            }
+        };
+        strings.extend(transformation(&field.space));
+        self.primitive(behind, kind, name, &strings, &field.space.arguments)
     }
 
     fn mixture(
@@ -266,8 +280,8 @@ impl Writer<'_> {
         amount: &Field<1>,
     ) -> fmt::Result {
         sides.extend(strings_of(amount));
-        let kind = ["mixfunc", "mixdata", "mixpict"][form(amount)];
-        self.primitive(behind, kind, name, &sides, &amount.space.arguments)
+        let kind = ["mixfunc", "mixdata", "mixpict", "mixtext"][form(amount)];
+        self.primitive(behind, kind, name, &sides, &reals_of(amount))
     }
 }
 
@@ -296,12 +310,13 @@ fn formulas_of<const N: usize>(field: &Field<N>) -> Vec<String> {
     }
 }
 
-/// 0 for formulas, 1 for data, 2 for a picture.
+/// 0 for formulas, 1 for data, 2 for a picture, 3 for text.
 fn form<const N: usize>(field: &Field<N>) -> usize {
     match field.source {
         Source::Formulas(_) => 0,
         Source::Data { .. } => 1,
         Source::Picture { .. } => 2,
+        Source::Text { .. } => 3,
     }
 }
 
@@ -319,9 +334,27 @@ fn strings_of<const N: usize>(field: &Field<N>) -> Vec<String> {
         Source::Picture { functions, picture, coordinates } => {
             [names(functions), vec![picture.file.path.to_string(), file], texts(coordinates)].concat()
         }
+        Source::Text { text, .. } => {
+            return match &text.words {
+                Words::Line(line) => vec![file, ".".to_owned(), line.clone()],
+                Words::File(of_text) => vec![file, of_text.path.to_string()],
+            };
+        }
     };
     strings.extend(transformation(&field.space));
     strings
+}
+
+/// The real arguments of a field. Text has no transformation: its vectors are moved.
+fn reals_of<const N: usize>(field: &Field<N>) -> Vec<f64> {
+    let Source::Text { text, .. } = &field.source else { return field.space.arguments.to_vec() };
+    let to_device = field.space.function_from_device.inverse();
+    let mut reals = to_device.transform_point3(text.anchor).to_array().to_vec();
+    for vector in [text.right, text.down] {
+        reals.extend(to_device.transform_vector3(vector).to_array());
+    }
+    reals.extend(&field.space.arguments[9..]);
+    reals
 }
 
 fn texts(formulas: &Formulas) -> Vec<String> {

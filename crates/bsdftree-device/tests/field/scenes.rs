@@ -108,9 +108,3 @@ pub fn rays(plane: Plane, n: u32) -> Vec<RayState> {
         })
         .collect()
 }
-
-/// The same ray in metres.
-pub fn scaled(ray: &RayState, unit: Unit) -> RayState {
-    let m = unit.meters();
-    RayState { position: ray.position * m, distance: ray.distance * m, traveled: ray.traveled * m, ..*ray }
-}

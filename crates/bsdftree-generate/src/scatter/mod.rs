@@ -286,11 +286,8 @@ pub fn is_neutral(material: &Material) -> bool {
 pub fn spectral_range_nm(material: &Material) -> Option<[f64; 2]> {
     fn of_modifier(modifier: &Modifier) -> Option<[f64; 2]> {
         match modifier {
-            Modifier::Spectrum(spectral) => {
-                let last = spectral.wavelengths_nm.len() - 1;
-                Some([spectral.interval_nm(0)[0], spectral.interval_nm(last)[1]])
-            }
-            Modifier::SpectralFunction(function) => Some(function.range_nm),
+            Modifier::Spectrum(spectral) => Some(spectral.range_nm()),
+            Modifier::SpectralField(field) => Some(field.range_nm()),
             Modifier::Mixture { foreground, background, .. } => {
                 foreground.iter().chain(background).filter_map(of_modifier).reduce(common)
             }

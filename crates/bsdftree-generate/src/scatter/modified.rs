@@ -109,8 +109,8 @@ pub(super) fn apply<S: Spectrum>(
                 let spectral = of_spectral(spectral);
                 tint(shade, S::from_spectral(spectral), DVec3::from_spectral(spectral));
             }
-            Modifier::SpectralFunction(function) => {
-                let spectral = of_spectral(&function.at(ray)?);
+            Modifier::SpectralField(field) => {
+                let spectral = of_spectral(&field.at(ray)?);
                 tint(shade, S::from_spectral(spectral), DVec3::from_spectral(spectral));
             }
             Modifier::Texture(field) => shade.perturbation += field.vector(ray)?,
