@@ -53,8 +53,8 @@ MATERIALS = set(
     "aBSDF plasfunc metfunc transfunc BRTDfunc plasdata metdata transdata WGMDfunc".split()
 )
 MODIFIERS = set(
-    "brightfunc brightdata colorfunc colordata colorpict texfunc texdata mixfunc mixdata mixpict spectrum specfile "
-    "specfunc".split()
+    "brightfunc brightdata brighttext colorfunc colordata colorpict colortext texfunc texdata mixfunc mixdata mixpict "
+    "mixtext spectrum specfile specfunc specdata specpict".split()
 )
 
 

@@ -290,6 +290,28 @@ fn words_that_nothing_asks_for_are_told() {
 }
 
 #[test]
+fn what_would_stop_a_ray_is_told_at_once() {
+    let folder = folder();
+    std::fs::write(folder.path().join("late.cal"), "a = if(Px, b, 1);\nf(x) = x + missing(x) + a;\n")
+        .unwrap();
+    let read = |definition: &str| {
+        let text = format!("void {definition}\na plastic m 0 0 5 .5 .5 .5 0 0{RING}");
+        read_in(&text, folder.path(), Unit::Meter).unwrap().warnings
+    };
+    let [warning] = &read("brightfunc a 2 a+a late.cal 0 0")[..] else { panic!() };
+    for part in [
+        "scene.rad:1: brightfunc \"a\": generation will fail if a ray needs this: ",
+        "late.cal:1: ",
+        "'b`late' is not defined",
+    ] {
+        assert!(warning.contains(part), "{warning}");
+    }
+    let warnings = read("brightdata a 5 f d.dat late.cal Px Py 0 0");
+    assert!(warnings.len() == 2 && warnings[0].contains("'missing"), "{warnings:?}");
+    assert_eq!(read("brightfunc a 2 'if(1, Px, .5)' . 0 0"), [""; 0]);
+}
+
+#[test]
 fn formulas_are_told_apart_by_their_files() {
     let folder = folder();
     let field = |text: &str| {

@@ -9,7 +9,7 @@
 //! is one itself, and may have no modifier; a side without material is not there. A chain without material is not there.
 //! Deviation: a pattern by an alias that inherits acts once; Radiance lets it act twice.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -166,8 +166,10 @@ impl Definitions {
         let at = setting.standing.at;
         let behind = self.find(&p.modifier, at)?;
         let mut notices = Vec::new();
-        let own = self.own(p, setting, &mut notices)?.map(|(own, notice)| {
-            notices.extend(notice.map(|notice| format!("{at}: {} \"{}\": {notice}", p.kind, p.name)));
+        let doubts = RefCell::default();
+        let own = self.own(p, setting, &doubts, &mut notices)?.map(|(own, notice)| {
+            let told = notice.into_iter().chain(doubts.into_inner());
+            notices.extend(told.map(|notice| format!("{at}: {} \"{}\": {notice}", p.kind, p.name)));
             own
         });
         self.insert(&p.name, own, behind, notices, setting.unit, at);
@@ -178,6 +180,7 @@ impl Definitions {
         &mut self,
         p: &Primitive,
         setting: &Setting,
+        doubts: &RefCell<Vec<String>>,
         notices: &mut Vec<String>,
     ) -> Result<Described<Own>, DeviceError> {
         let standing = setting.standing;
@@ -195,7 +198,7 @@ impl Definitions {
         match p.class {
             Class::Modifier => {
                 modifier::check_counts(p, standing)?;
-                let modifier = modifier::describe(self.reader(p, setting));
+                let modifier = modifier::describe(self.reader(p, setting, doubts));
                 Ok(modifier.map(|(modifier, notice)| (Own::Modifier(modifier), notice)))
             }
             Class::Mixture => {
@@ -204,7 +207,7 @@ impl Definitions {
                 for side in sides.iter().flatten() {
                     notices.extend(side.notices.iter().cloned());
                 }
-                let amount = modifier::amount(self.reader(p, setting));
+                let amount = modifier::amount(self.reader(p, setting, doubts));
                 let mixture = amount.and_then(|(amount, notice)| {
                     let chain =
                         |side: Option<Rc<Definition>>| side.map_or(Ok(Chain::NONE), |d| d.chain.clone());
@@ -215,24 +218,31 @@ impl Definitions {
             }
             _ if function_material::is_one(&p.kind) => {
                 function_material::check_counts(p, standing)?;
-                Ok(described(function_material::describe(self.reader(p, setting))))
+                Ok(described(function_material::describe(self.reader(p, setting, doubts))))
             }
             _ if optics::is_one(&p.kind) => {
                 optics::check_counts(p, standing)?;
                 let modifiers = self.modifiers_of_parts(p, standing.at)?;
-                Ok(described(modifiers.and_then(|m| optics::describe(&mut self.reader(p, setting), m))))
+                Ok(described(
+                    modifiers.and_then(|m| optics::describe(&mut self.reader(p, setting, doubts), m)),
+                ))
             }
             _ if p.kind == "antimatter" => self.antimatter(p, standing.at, notices),
             _ => {
                 material::check_counts(p, standing.at)?;
-                Ok(described(material::describe(self.reader(p, setting))))
+                Ok(described(material::describe(self.reader(p, setting, doubts))))
             }
         }
     }
 
-    fn reader<'a>(&'a mut self, p: &'a Primitive, setting: &Setting<'a>) -> FieldReader<'a> {
+    fn reader<'a>(
+        &'a mut self,
+        p: &'a Primitive,
+        setting: &Setting<'a>,
+        doubts: &'a RefCell<Vec<String>>,
+    ) -> FieldReader<'a> {
         let Setting { standing, to, unit } = *setting;
-        FieldReader { p, standing, to, unit, library: &mut self.library }
+        FieldReader { p, standing, to, unit, library: &mut self.library, doubts }
     }
 
     /// A side of a mixture; `None` for `void`.

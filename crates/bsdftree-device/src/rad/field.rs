@@ -5,6 +5,7 @@
 //! transformation that moves the functions' coordinates to the scene's; words before that which nothing asks for are
 //! left out with a notice, as in Radiance. Source: Radiance's reference manual; where each type has which argument is said there.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -12,6 +13,7 @@ use super::library::{Functions, Library, Standing};
 use super::problem::Problem;
 use super::statement::Primitive;
 use super::transform::{self, Transform};
+use crate::cal::CalError;
 use crate::error::DeviceError;
 use crate::field::{Call, DataArray, Field, File, Formulas, LobeFunction, Origin, Source, Space};
 
@@ -24,6 +26,8 @@ pub(super) struct FieldReader<'a> {
     /// The scene's unit \[m\].
     pub unit: f64,
     pub library: &'a mut Library,
+    /// What would stop a ray that needs it.
+    pub doubts: &'a RefCell<Vec<String>>,
 }
 
 /// How many functions, data files (or a picture) and which file a type of modifier names, after `skipped` other arguments.
@@ -120,6 +124,7 @@ impl FieldReader<'_> {
         let words = self.p.strings.get(first..first + n).ok_or_else(|| self.too_few_coordinates(n))?;
         let expressions = functions.context.compile_all(words.iter().map(String::as_str), self.standing.at);
         let expressions = expressions.map_err(|e| self.failed(e.to_string()))?;
+        self.doubt(expressions.problems());
         Ok(Formulas { texts: words.iter().map(|word| Arc::from(&**word)).collect(), expressions })
     }
 
@@ -128,6 +133,7 @@ impl FieldReader<'_> {
         let function = functions.context.function_at(name, n, self.standing.at);
         let function =
             function.map_err(|e| self.failed(format!("{e} (function file '{}')", functions.file.path)))?;
+        self.doubt(function.problems());
         Ok(Call { name: name.into(), function, takes_all: true })
     }
 
@@ -192,6 +198,16 @@ impl FieldReader<'_> {
         let arguments = self.p.reals.clone().into();
         let space = Space::new(self.origin(), file, arguments, total.affine(), total.scale, self.unit);
         Ok(Arc::new(space))
+    }
+
+    fn doubt(&self, problems: &[CalError]) {
+        let mut doubts = self.doubts.borrow_mut();
+        for problem in problems {
+            let doubt = format!("generation will fail if a ray needs this: {problem}");
+            if !doubts.contains(&doubt) {
+                doubts.push(doubt);
+            }
+        }
     }
 
     fn origin(&self) -> Origin {

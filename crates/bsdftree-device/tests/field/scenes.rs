@@ -85,9 +85,9 @@ pub fn rays(plane: Plane, n: u32) -> Vec<RayState> {
     let fraction = |k: u32, step: f64| (0.5 + f64::from(k) * step).fract();
     (0..n)
         .map(|k| {
-            // Additive recurrences of the roots of x⁶ = x + 1 and the like.
-            let [u, v, s, t, w] =
-                [0.8191725134, 0.6710436067, 0.5497004779, 0.4503069, 0.3688776].map(|a| fraction(k, a));
+            // Additive recurrences of the powers of 1/g, where g⁶ = g + 1 (M. Roberts' sequence in five dimensions).
+            let [u, v, s, t, w] = [0.8812714616, 0.7766393890, 0.6844301295, 0.6031687406, 0.5315553977]
+                .map(|a| fraction(k, a));
             let (height, phi) = (0.15 + 0.85 * u, TAU * v);
             let radius = (1.0 - height * height).sqrt();
             let normal = plane.normal();
