@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 import bsdftree
 from bsdftree.cli import main
+from bsdftree.cli._common import printable
 
 READABLE = 18
 
@@ -195,3 +196,7 @@ def test_interrupt_stops_a_generation():
 def test_module_runs_as_a_program():
     result = subprocess.run([sys.executable, "-m", "bsdftree", "--version"], capture_output=True, text=True, check=True)
     assert bsdftree.__version__ in result.stdout
+
+
+def test_what_files_hold_commands_no_terminal():
+    assert printable("found 'a\x1b[31m\x07ö'\nend") == r"found 'a\x1b[31m\x07ö'" + "\nend"

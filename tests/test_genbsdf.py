@@ -246,3 +246,30 @@ def test_the_one_word_is_the_same_verb(tmp_path):
     words = [sys.executable, "-c", code, "-c", "8", "-geom", "meter", "+f", "pane.rad"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.startswith("<?xml") and "Reflection Front" in done.stdout
+
+
+SHEET = "paint polygon sheet 0 0 12  0 0 0  1 0 0  1 1 0  0 1 0\n"
+OBJ = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl paint\nf 1 2 3 4\n"
+
+
+@pytest.mark.parametrize("engine", ["bsdftree", pytest.param("radiance", marks=needs_radiance)])
+def test_materials_are_those_of_scenes_and_meshes_for_either_engine(prompt, engine):
+    Path("paint.mat").write_text("void plastic paint 0 0 5 .6 .6 .6 0 0\n")
+    Path("sheet.rad").write_text(SHEET)
+    Path("sheet.obj").write_text(OBJ)
+    words = ("--engine", engine, "--materials", "paint.mat", "-c", 16, "-dim", 0, 1, 0, 1, -0.1, 0, "-geom")
+    for files, stdin in [(("sheet.rad",), ""), ((), SHEET), (("sheet.obj",), "")]:
+        code, bsdf, messages = prompt(*words, *files, stdin=stdin)
+        assert code == 0, messages
+        total = bsdf.hemispherical(LIGHT_FROM_ROOM, part="reflection")[0]
+        assert total == pytest.approx(0.6, abs=0.05), files
+
+
+def test_what_would_stop_a_ray_is_told_before_rays_are_sent(prompt):
+    Path("never.rad").write_text(
+        f"void brightfunc p 2 'if(Px+9,.5,nothing)' . 0 0\np plastic paint 0 0 5 .6 .6 .6 0 0\n{SHEET}"
+    )
+    code, _, messages = prompt("-c", 4, "-dim", 0, 1, 0, 1, -0.1, 0, "-geom", "never.rad")
+    assert code == 0
+    assert messages.count('never.rad:1: brightfunc "p": generation will fail if a ray needs this') == 1
+    assert messages.index("will fail if a ray") < messages.index("Recover using")

@@ -86,6 +86,6 @@ def test_meshes_without_materials_say_what_to_do(tmp_path):
     (tmp_path / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl paint\nf 1 2 3\n")
     with pytest.raises(ValueError, match=r"t\.obj:5: .*found 'paint': define it in a file of materials"):
         Device.read(tmp_path / "t.obj")
-    with pytest.raises(ValueError, match=r"t\.obj:5: expected an index of one of the 3 vertexs before, found '4'"):
+    with pytest.raises(ValueError, match=r"t\.obj:5: expected an index of one of the 3 vertices before, found '4'"):
         (tmp_path / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 4\n")
         Device.read(tmp_path / "t.obj")

@@ -122,10 +122,14 @@ class Device:
         directory: str | os.PathLike[str] = ".",
         unit: str = "meter",
         format: Literal["rad", "mgf"] = "rad",
+        materials: Materials = (),
         allow_commands: Sequence[str] = (),
     ) -> Device:
-        """Read a Radiance or MGF scene from a string; files that it names are looked for in ``directory``."""
-        reading = _reading(unit, (), None, None, allow_commands)
+        """Read a Radiance or MGF scene from a string; files that it names are looked for in ``directory``.
+
+        See :meth:`read` for the parameters.
+        """
+        reading = _reading(unit, materials, None, None, allow_commands)
         return cls(_core.Device._parse(format, text, os.fspath(directory), reading))
 
     @classmethod

@@ -158,7 +158,13 @@ def generate(
             "bands": list(bands) != ["Visible"],
         }
         for option in (name for name, given in unknown.items() if given):
-            raise ValueError(f"the engine radiance knows no {option}; use engine 'bsdftree' or leave it out")
+            advice = "use engine 'bsdftree' or leave it out"
+            if option == "bands":
+                advice = (
+                    "it counts Visible; use engine 'bsdftree', or give it the materials that the device has in a band "
+                    "and call what comes out by that name"
+                )
+            raise ValueError(f"the engine radiance knows no {option}; {advice}")
         return generate_by_radiance(
             device,
             rank=0 if klems is not None else rank,

@@ -36,7 +36,7 @@ pub enum DeviceError {
         advice: String,
     },
     /// The scene uses something that this reader does not handle.
-    #[error("{at}: {what} is not supported yet: {advice}")]
+    #[error("{at}: {what} is not supported: {advice}")]
     Unsupported {
         /// Where.
         at: Place,

@@ -71,20 +71,12 @@ fn unknown_names_are_named() {
 
 #[test]
 fn unsupported_modifiers_are_errors_where_they_are_used_only() {
-    for (definition, what) in [("void mist stripes 0 0 0", "material type 'mist' (modifier \"stripes\")")] {
-        let library = format!("{definition}\nstripes plastic m 0 0 5 .1 .1 .1 0 0");
-        assert!(
-            Device::parse_rad(
-                &format!("void plastic white 0 0 5 .8 .8 .8 0 0 {library}"),
-                "s",
-                Path::new("."),
-                Unit::Meter
-            )
-            .is_ok()
-        );
-        let used = format!("{library}\nm ring r 0 0 8 0 0 0 0 0 1 0 1");
-        assert_fails(&used, 2, &[what, "is not supported yet: ", "'r' uses it at scene.rad:4"]);
-    }
+    let library = "void mist stripes 0 0 0\nstripes plastic m 0 0 5 .1 .1 .1 0 0";
+    let scene = format!("void plastic white 0 0 5 .8 .8 .8 0 0 {library}");
+    assert!(Device::parse_rad(&scene, "s", Path::new("."), Unit::Meter).is_ok());
+    let used = format!("{library}\nm ring r 0 0 8 0 0 0 0 0 1 0 1");
+    let what = "material type 'mist' (modifier \"stripes\") is not supported: ";
+    assert_fails(&used, 2, &[what, "'r' uses it at scene.rad:4"]);
 }
 
 #[test]
@@ -169,4 +161,13 @@ proptest::proptest! {
             proptest::prop_assert!(error.to_string().starts_with("scene.rad:"), "{error}");
         }
     }
+}
+
+#[test]
+fn formulas_of_commands_are_named_with_their_command() {
+    assert_fails(
+        "!gensurf white s s t 'bad(' 9 9",
+        2,
+        &["the command 'gensurf white s s t bad( 9 9' failed: scene.rad:2: expected a number"],
+    );
 }

@@ -48,7 +48,9 @@ pub enum GenerateError {
     #[error("cannot generate with {0}")]
     Option(String),
     /// The device, seen from the front, is a line or a point.
-    #[error("the device has no extent along {0}; give the aperture that it stands for (--dim)")]
+    #[error(
+        "the device has no extent along {0}; turn it to face +Z (--up, or xform in the scene), or give the aperture that it stands for (--dim)"
+    )]
     Flat(char),
     /// The device is to be repeated, but nobody said how.
     #[error(

@@ -140,7 +140,10 @@ def trace(scene: SceneText, job: Job, progress: Callable[[int, int], None] | Non
     dim = job.dim if job.dim is not None else bounds(scene)
     for k, axis in enumerate("XY"):
         if dim[2 * k + 1] <= dim[2 * k]:
-            raise RadianceError(f"the device has no extent along {axis}; give the box that it stands for (--dim)")
+            raise RadianceError(
+                f"the device has no extent along {axis}; turn it to face +Z (--up, or xform in the scene), or give the "
+                f"box that it stands for (--dim)"
+            )
     samples = -(-job.samples // REPLICATES) * REPLICATES
     n_rays = samples * job.layout.n_incident * len(job.from_back)
     began = time.perf_counter()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
@@ -29,8 +29,13 @@ def input_errors() -> Iterator[None]:
     try:
         yield
     except (ValueError, OSError) as error:
-        click.echo(f"bsdftree: {error}", err=True)
+        click.echo(printable(f"bsdftree: {error}"), err=True)
         sys.exit(1)
+
+
+def printable(text: str) -> str:
+    """Return a text that cannot command a terminal, whatever is in the files that it quotes."""
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
 
 
 def with_input_errors(function: Callable[P, R]) -> Callable[P, R]:
@@ -52,8 +57,14 @@ def read(path: str, repair: bool) -> Bsdf:
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     for repaired in bsdf.repairs:
-        click.echo(f"{path}: {repaired}", err=True)
+        click.echo(printable(f"{path}: {repaired}"), err=True)
     return bsdf
+
+
+def tell(warnings: Iterable[str]) -> None:
+    """Say on standard error what is doubtful."""
+    for warning in warnings:
+        click.echo(printable(f"bsdftree: warning: {warning}"), err=True)
 
 
 def print_json(data: Any) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bsdftree import Device
-from bsdftree._device import METERS
+from bsdftree._device import METERS, format_of
 from bsdftree._radiance.generation import scene_of
 from bsdftree._radiance.programs import run
 from bsdftree._radiance.rcontrib import bounds
@@ -53,6 +53,7 @@ def _for_us(asked: Request, scene: bytes | None) -> Input:
             scene.decode(errors="replace"),
             unit=asked.unit,
             format="mgf" if asked.mgf else "rad",
+            materials=asked.materials or (),
             allow_commands=asked.allow_commands,
         )
     else:
@@ -70,8 +71,15 @@ def _for_us(asked: Request, scene: bytes | None) -> Input:
 
 
 def _for_radiance(asked: Request, scene: bytes | None) -> Input:
-    if scene is None and not asked.mgf:
-        text, _ = scene_of(asked.files, asked.unit, asked.allow_commands)
+    materials = [asked.materials] if asked.materials is not None else []
+    if asked.mgf and materials:
+        raise ValueError("--materials are of Radiance; MGF names none of them: leave it out")
+    if scene is None and not asked.mgf and not all(format_of(file) in ("rad", "mgf") for file in asked.files):
+        # What our reader makes of meshes, its lengths those of the input.
+        read = Device.read(*asked.files, materials=materials, allow_commands=asked.allow_commands)
+        text = scene_of_text(read.to_rad(), name=" ".join(asked.files))
+    elif scene is None and not asked.mgf:
+        text, _ = scene_of([*materials, *asked.files], asked.unit, asked.allow_commands)
     elif asked.mgf:
         files = asked.files
         with tempfile.TemporaryDirectory(prefix="bsdftree-") as folder:
@@ -81,4 +89,7 @@ def _for_radiance(asked: Request, scene: bytes | None) -> Input:
             text = scene_of_text(run("mgf2rad", *files), name="what mgf2rad writes")
     else:
         text = scene_of_text(scene or b"", asked.allow_commands, name="standard input")
+        if materials:
+            first, _ = scene_of(materials, asked.unit, asked.allow_commands)
+            text = SceneText(first.text + b"\n" + text.text, [*first.directories, *text.directories])
     return Input(text, bounds(text))

@@ -16,9 +16,9 @@ from typing import NoReturn
 import click
 
 import bsdftree
-from bsdftree import Bsdf, GenerationReport, Resumed
+from bsdftree import Bsdf, Device, GenerationReport, Resumed
 from bsdftree._device import METERS
-from bsdftree.cli._common import input_errors
+from bsdftree.cli._common import input_errors, printable
 from bsdftree.cli._genbsdf_input import read_input
 from bsdftree.cli._genbsdf_words import USAGE, Request, UsageError, request
 from bsdftree.cli._progress import PathsBar
@@ -142,6 +142,9 @@ def _generated(asked: Request, words: Sequence[str], scene: bytes | None, folder
             err=True,
         )
     given = read_input(asked, scene)
+    told = given.device.warnings if isinstance(given.device, Device) else []
+    for warning in told:
+        click.echo(printable(f"Warning: {warning}"), err=True)
     _warn(asked.dim or given.bounds)
     if folder is not None and asked.checkpoint is None:
         click.echo(f"Recover using: bsdftree genbsdf -recover {folder}", err=True)
@@ -172,8 +175,8 @@ def _generated(asked: Request, words: Sequence[str], scene: bytes | None, folder
             report=reports.append,
         )
     for warning in reports[0].warnings:
-        if "into the room" not in warning:
-            click.echo(f"Warning: {warning}", err=True)
+        if "into the room" not in warning and warning not in told:
+            click.echo(printable(f"Warning: {warning}"), err=True)
     return _headed(bsdf, asked, words).to_xml()
 
 

@@ -14,7 +14,8 @@ import click
 
 import bsdftree
 from bsdftree import Device, GenerationReport, Resumed, device_families
-from bsdftree.cli._common import json_option, print_json, stderr, stdout, table, with_input_errors
+from bsdftree._device import format_of
+from bsdftree.cli._common import json_option, print_json, stderr, stdout, table, tell, with_input_errors
 from bsdftree.cli._progress import PathsBar
 from bsdftree.cli.info import summarize
 
@@ -274,10 +275,10 @@ def generate(
         raise click.UsageError("--subdivide splits Klems patches; give --klems too")
     if rcontrib is not None and engine != "radiance":
         raise click.UsageError("--rcontrib is for --engine radiance")
-    device: Device | tuple[str, ...] = files
+    device: Device | tuple[str, ...]
     if spec:
         device = Device.from_spec(spec)
-    elif engine == "bsdftree":
+    elif engine == "bsdftree" or not all(format_of(file) in ("rad", "mgf") for file in files):
         names = _names(material_names)
         device = Device.read(
             *files,
@@ -287,8 +288,12 @@ def generate(
             material_names=names,
             allow_commands=allow_commands,
         )
-    elif materials or material_names:
-        raise click.UsageError("with --engine radiance, put the materials of a mesh into a Radiance scene")
+        tell(device.warnings)
+    elif material_names:
+        raise click.UsageError("--material is for meshes; in scenes, surfaces name their materials themselves")
+    else:
+        # Radiance reads the scenes itself, after the materials.
+        device = (*materials, *files)
     reports: list[GenerationReport] = []
     limit = samples if samples is not None else 2000 if tolerance is None and time_budget is None else None
     begin = time.perf_counter()
@@ -329,8 +334,8 @@ def generate(
         )
     seconds = time.perf_counter() - begin
     (report,) = reports
-    for warning in report.warnings:
-        click.echo(f"bsdftree: warning: {warning}", err=True)
+    told = device.warnings if isinstance(device, Device) else []
+    tell(warning for warning in report.warnings if warning not in told)
     command = shlex.join(["bsdftree", "generate", *sys.argv[2:]])
     bsdf = bsdf.with_header(
         name=name or (spec.partition(":")[0] if spec else os.path.splitext(os.path.basename(files[-1]))[0]),

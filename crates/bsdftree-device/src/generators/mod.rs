@@ -71,7 +71,15 @@ pub(crate) fn run(command: &[String], environment: &Environment) -> Result<Vec<S
     let Some((program, generate, usage)) = known else { return Ok(Vec::new()) };
     let mut arguments = Arguments::new(program, usage, &command[1..], environment.at);
     let mut output = Output::new(environment.at, environment.limit);
-    generate(&mut arguments, environment, &mut output)?;
+    generate(&mut arguments, environment, &mut output).map_err(|error| match error {
+        // Which formula of which command would not be said otherwise.
+        DeviceError::Formula(wrong) => DeviceError::Program {
+            at: environment.at.clone(),
+            command: command.join(" ").chars().take(60).collect(),
+            reason: wrong.to_string(),
+        },
+        other => other,
+    })?;
     Ok(output.into_statements())
 }
 

@@ -154,7 +154,7 @@ impl Reader<'_> {
         if indices.next().is_some() {
             return Err(self.unexpected("v, v/vt, v//vn or v/vt/vn", word));
         }
-        let position = self.index(v, self.builder.positions.len(), "vertex", word)?;
+        let position = self.index(v, self.builder.positions.len(), "vertices", word)?;
         let Some(position) = position else {
             return Err(self.unexpected("an index of a vertex other than 0", word));
         };
@@ -164,14 +164,14 @@ impl Reader<'_> {
         };
         Ok((
             position,
-            optional(vt, self.builder.uvs.len(), "texture vertex")?,
-            optional(vn, self.builder.normals.len(), "normal")?,
+            optional(vt, self.builder.uvs.len(), "texture vertices")?,
+            optional(vn, self.builder.normals.len(), "normals")?,
         ))
     }
 
     /// An index from 0; `None` if it is 0 in the file.
     fn index(&self, index: &str, count: usize, what: &str, word: &str) -> Result<Option<u32>, DeviceError> {
-        let expected = || self.unexpected(&format!("an index of one of the {count} {what}s before"), word);
+        let expected = || self.unexpected(&format!("an index of one of the {count} {what} before"), word);
         let index: i64 = index.parse().map_err(|_| expected())?;
         let from_zero = match index {
             0 => return Ok(None),

@@ -72,10 +72,10 @@ fn obj_errors_name_the_line() {
         ("v 1 2 nan", "found 'nan'"),
         ("\nvn 0 0 0", "m:2: expected a normal with a length"),
         ("v 0 0 0\nf 1 1", "m:2: expected a face of at least 3 corners, found '2'"),
-        ("v 0 0 0\nf 1 1 2", "one of the 1 vertexs before, found '2'"),
+        ("v 0 0 0\nf 1 1 2", "one of the 1 vertices before, found '2'"),
         ("v 0 0 0\nf 1 1 -2", "found '-2'"),
         ("v 0 0 0\nf 0 1 1", "other than 0, found '0'"),
-        ("v 0 0 0\nf 1/1 1 1", "texture vertexs before, found '1/1'"),
+        ("v 0 0 0\nf 1/1 1 1", "texture vertices before, found '1/1'"),
         ("v 0 0 0\nf 1/1/1/1 1 1", "v/vt/vn"),
         ("v 0 0 0\nf 1 1 99999999999999999999", "found '99999999999999999999'"),
     ] {

@@ -47,8 +47,9 @@ impl Files {
             if path.is_file() {
                 return Ok(path);
             }
-            if !searched.contains(&directory) {
-                searched.push(directory);
+            let shown = if directory.as_os_str().is_empty() { Path::new(".") } else { directory };
+            if !searched.contains(&shown) {
+                searched.push(shown);
             }
         }
         let searched: Vec<_> = searched.iter().map(|d| format!("'{}'", d.display())).collect();

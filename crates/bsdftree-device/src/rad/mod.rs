@@ -183,9 +183,7 @@ impl Device {
         directory: &Path,
         options: impl Into<ReadOptions>,
     ) -> Result<Device, DeviceError> {
-        let options = options.into();
-        let placement = Placement::scaled(options.unit.meters());
-        let mut scene = Scene::new(options);
+        let (mut scene, placement) = begun(options.into())?;
         let source = Source::of(text, name, directory.to_owned())?;
         scene.source(&source, directory, &placement)?;
         Ok(scene.into_device())

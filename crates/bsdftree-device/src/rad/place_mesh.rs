@@ -100,6 +100,10 @@ impl Scene {
         let shown = path.display().to_string();
         let aside = self.definitions.set_aside(imposed.clone().map(|definition| (IMPOSED, definition)));
         self.chain.push(path.clone());
+        let in_file = |error: DeviceError| match error {
+            DeviceError::Binary { .. } => DeviceError::Modifier { at: at.clone(), reason: error.to_string() },
+            other => other,
+        };
         let result = if p.kind == "mesh" {
             let mesh = Format::Rtm.read(&bytes, &shown, &self.options.limits);
             let name = format!("{}{}", placement.prefix, p.name);
@@ -112,7 +116,7 @@ impl Scene {
         };
         self.chain.pop();
         self.definitions.restore(aside);
-        result
+        result.map_err(in_file)
     }
 
     fn octree(

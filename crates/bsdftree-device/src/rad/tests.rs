@@ -297,7 +297,7 @@ fn marks_are_replaced_where_they_point() {
 fn programs_are_refused_by_name_and_place() {
     let dir = Directory::new("refused", &[]);
     for (command, what) in [
-        ("\n!mkfs /dev/sda", "top.rad:2: command 'mkfs' is not supported yet: no program but xform"),
+        ("\n!mkfs /dev/sda", "top.rad:2: command 'mkfs' is not supported: no program but xform"),
         ("!/bin/sh -c ls", "--allow-command /bin/sh"),
         ("!genbox m b 1 1 1 | tee x", "after '|' there can be xform"),
         ("!xform `ls`", "'`' in the command"),
