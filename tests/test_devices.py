@@ -27,7 +27,9 @@ DEVICES = (
     "metal-spheres.rad",
     "mirror-slats.rad",
     "mirror-tubes.rad",
+    "mixtext.rad",
     "rough-plastic.rad",
+    "specpict.rad",
     "trans-rings.rad",
 )
 OWN = {scene.name: scene for scene in scenes.own()}
