@@ -7,7 +7,7 @@ VERSION = $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 # Everything that makes the extension module out of date.
 SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: help setup demo test test-rust test-python lint format bench bench-generate devices-report install-c docs clean
+.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate devices-report install-c docs clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -47,6 +47,9 @@ format: setup ## Format all code
 bench: setup ## Measure, with Radiance beside it
 	cargo bench --workspace
 	$(BIN)/python benches/beside_radiance.py
+
+bench-library: setup ## Look-ups, samples, files: Rust, NumPy and Radiance beside their targets; 4 minutes
+	$(BIN)/python -m benches.library
 
 bench-generate: setup ## Errors of generated trees beside Radiance's, at equal cost; 40 minutes
 	$(BIN)/python -m benches.generate

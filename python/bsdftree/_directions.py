@@ -56,25 +56,17 @@ def polar_from_direction(direction: ArrayLike) -> NDArray[np.float64]:
 
 
 def as_rows(name: str, value: ArrayLike) -> tuple[Directions, tuple[int, ...]]:
-    """Unit vectors as a C-contiguous (n, 3) array, and the shape that results have.
+    """Vectors as a C-contiguous (n, 3) array, and the shape that results have; whoever uses them makes them unit vectors.
 
     Raises
     ------
     ValueError
-        If the last axis is not 3 long, or a vector has no direction (zero, NaN or infinite).
+        If the last axis is not 3 long.
     """
     array = np.asarray(value, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"{name} has shape {array.shape}; expected (..., 3), unit vectors away from the surface")
-    rows = array.reshape(-1, 3)
-    length = np.sqrt(np.einsum("ij,ij->i", rows, rows))
-    bad = ~((length > 0.0) & np.isfinite(length))
-    if bad.any():
-        first = int(np.argmax(bad))
-        raise ValueError(f"{name}[{first}] is {rows[first].tolist()}, which has no direction; expected a unit vector")
-    if np.abs(length - 1.0).max(initial=0.0) > 1e-12:
-        rows = rows / length[:, None]
-    return np.ascontiguousarray(rows), array.shape[:-1]
+    return np.ascontiguousarray(array.reshape(-1, 3)), array.shape[:-1]
 
 
 def as_pairs(incident: ArrayLike, exitant: ArrayLike) -> tuple[Directions, Directions, tuple[int, ...]]:

@@ -12,8 +12,9 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::arrays::{Directions, Numbers, directions, same_length};
+use crate::arrays::{CHUNK, Directions, Numbers, Vectors, chunks, same_length};
 use crate::component;
+use crate::value_error;
 
 /// A BSDF.
 #[pyclass(frozen, module = "bsdftree._core")]
@@ -49,14 +50,19 @@ impl Bsdf {
         band: &str,
         incident: &Directions<'_>,
         exitant: &Directions<'_>,
-        f: impl FnOnce(&Band, &[Direction], &[Direction], &mut [T]) + Send,
+        f: impl Fn(&Band, &[Direction], &[Direction], &mut [T]) + Sync,
     ) -> PyResult<Vec<T>> {
         let band = self.band(band)?;
-        let (i, o) = (directions(incident, "incident")?, directions(exitant, "exitant")?);
+        let (mut i, mut o) = (Vectors::new(incident, "incident")?, Vectors::new(exitant, "exitant")?);
         same_length(i.len(), o.len())?;
         let mut values = vec![T::default(); i.len()];
-        py.detach(|| f(band, i, o, &mut values));
-        Ok(values)
+        let filled = py.detach(|| {
+            chunks(i.len()).try_for_each(|chunk| {
+                f(band, i.units(chunk.clone())?, o.units(chunk.clone())?, &mut values[chunk]);
+                Ok(())
+            })
+        });
+        filled.map(|()| values).map_err(|problem: String| value_error(problem))
     }
 
     /// What `f` fills in for all incident directions, without the interpreter.
@@ -65,13 +71,18 @@ impl Bsdf {
         py: Python<'_>,
         band: &str,
         incident: &Directions<'_>,
-        f: impl FnOnce(&Band, &[Direction], &mut [T]) + Send,
+        f: impl Fn(&Band, &[Direction], &mut [T]) + Sync,
     ) -> PyResult<Vec<T>> {
         let band = self.band(band)?;
-        let i = directions(incident, "incident")?;
+        let mut i = Vectors::new(incident, "incident")?;
         let mut values = vec![T::default(); i.len()];
-        py.detach(|| f(band, i, &mut values));
-        Ok(values)
+        let filled = py.detach(|| {
+            chunks(i.len()).try_for_each(|chunk| {
+                f(band, i.units(chunk.clone())?, &mut values[chunk]);
+                Ok(())
+            })
+        });
+        filled.map(|()| values).map_err(|problem: String| value_error(problem))
     }
 }
 
@@ -124,7 +135,7 @@ impl Bsdf {
 
     /// Looks through values of a file that were not looked at when it was opened.
     fn verify(&self, py: Python<'_>) -> PyResult<()> {
-        py.detach(|| self.bsdf.verify()).map_err(crate::value_error)
+        py.detach(|| self.bsdf.verify()).map_err(value_error)
     }
 
     #[getter]
@@ -268,26 +279,25 @@ impl Bsdf {
         part: &str,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
         let (band, lobes) = (self.band(band)?, lobes(part)?);
-        let (i, u) = (directions(&incident, "incident")?, u.as_slice()?);
+        let (mut i, u) = (Vectors::new(&incident, "incident")?, u.as_slice()?);
         let v = v.as_ref().map(|v| v.as_slice()).transpose()?;
         same_length(i.len(), u.len())?;
         v.map_or(Ok(()), |v| same_length(i.len(), v.len()))?;
         let (mut exitant, mut weight, mut pdf) =
             (vec![[0.0; 3]; i.len()], vec![0.0; i.len()], vec![0.0; i.len()]);
-        py.detach(|| {
-            // Few enough to stay in the cache.
-            const CHUNK: usize = 4096;
+        let filled = py.detach(|| {
             let mut samples = vec![Sample { exitant: [0.0; 3], pdf: 0.0, weight: 0.0 }; CHUNK.min(i.len())];
-            for first in (0..i.len()).step_by(CHUNK) {
-                let range = first..(first + CHUNK).min(i.len());
+            chunks(i.len()).try_for_each(|range| {
                 let samples = &mut samples[..range.len()];
                 let v = v.map(|v| &v[range.clone()]);
-                band.sample_many(&i[range.clone()], &u[range.clone()], v, lobes, samples);
+                band.sample_many(i.units(range.clone())?, &u[range.clone()], v, lobes, samples);
                 for (k, sample) in range.zip(samples) {
                     (exitant[k], weight[k], pdf[k]) = (sample.exitant, sample.weight, sample.pdf);
                 }
-            }
+                Ok(())
+            })
         });
+        filled.map_err(|problem: String| value_error(problem))?;
         Ok((rows(py, exitant)?, PyArray1::from_vec(py, weight), PyArray1::from_vec(py, pdf)))
     }
 

@@ -1,7 +1,7 @@
 //! What is in a BSDF file: `cargo run --release -p bsdftree --example info -- blinds.xml`.
 //!
 //! The components of each band, and how much light from each side is reflected and transmitted, by polar angle and altogether. All
-//! values are read, or, of a `.bsdft` file, verified.
+//! values are read, or, of a `.bsdft` file, verified. `--memory` adds the most memory that the process has had (Linux).
 
 use bsdftree::direction::direction_from_polar;
 use bsdftree::square::disk_from_square;
@@ -12,9 +12,10 @@ use bsdftree::{Band, Bsdf, Lobes, Scattering, Side, file};
 const THETAS_DEG: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 
 fn main() {
-    let paths: Vec<String> = std::env::args().skip(1).collect();
+    let (options, paths): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|word| word == "--memory");
     if paths.is_empty() {
-        eprintln!("usage: info FILE …");
+        eprintln!("usage: info [--memory] FILE …");
         std::process::exit(2);
     }
     for path in paths {
@@ -33,6 +34,11 @@ fn main() {
                 std::process::exit(1);
             }
         }
+    }
+    if !options.is_empty() {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        println!("memory at most: {}", peak.unwrap_or("not known").trim());
     }
 }
 

@@ -1,12 +1,14 @@
 //! What the library does in a second, on one thread: values, samples, densities, totals, resolution, files.
 //!
-//! `cargo bench -p bsdftree --bench library -- [--json] [--only=FIGURE] [FILE …]`: trees that are made here, or those in files. Directions are random, and
+//! `cargo bench -p bsdftree --bench library -- [--json] [--only=FIGURE] [--save=FOLDER] [FILE …]`: trees that are made here (at rank 3, and
+//! at rank 4 up to 2^5 and 2^6), or those in files; `--save` only writes them. Directions are random, and
 //! as many as that no cache holds their cells. Each figure is the best of several runs, in time of the
 //! processor, so that other programs matter less; of two threads the longer time counts.
 
 mod trees;
 
 use std::hint::black_box;
+use std::path::Path;
 use std::time::Instant;
 
 use bsdftree::binary::{self, Packing};
@@ -31,10 +33,18 @@ fn main() {
     let as_json = options.iter().any(|option| *option == "--json");
     let only = options.iter().find_map(|option| option.strip_prefix("--only="));
     let shapes = [
-        ("smooth, rank 3, 2^6", Shape { rank: Rank::Three, log2_res: 6, tolerance: 0.02 }),
-        ("smooth, rank 4, 2^5", Shape { rank: Rank::Four, log2_res: 5, tolerance: 0.6 }),
-        ("smooth, rank 4, 2^6", Shape { rank: Rank::Four, log2_res: 6, tolerance: 0.25 }),
+        ("smooth-rank-3", Shape { rank: Rank::Three, log2_res: 6, tolerance: 0.02 }),
+        ("smooth-5", Shape { rank: Rank::Four, log2_res: 5, tolerance: 0.6 }),
+        ("smooth-6", Shape { rank: Rank::Four, log2_res: 6, tolerance: 0.25 }),
     ];
+    if let Some(folder) = options.iter().find_map(|option| option.strip_prefix("--save=")) {
+        for (name, shape) in shapes {
+            let path = Path::new(folder).join(format!("{name}.bsdft"));
+            binary::write_file(&alone(smooth(&shape).into()), Packing::Raw, path)
+                .unwrap_or_else(|e| panic!("{e}"));
+        }
+        return;
+    }
     if files.is_empty() {
         for (name, shape) in shapes {
             show(name, &alone(smooth(&shape).into()), only, as_json);

@@ -1,0 +1,1 @@
+"""What the library does in a second, from Rust and from NumPy, beside Radiance's own."""
