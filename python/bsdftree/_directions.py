@@ -56,7 +56,7 @@ def polar_from_direction(direction: ArrayLike) -> NDArray[np.float64]:
 
 
 def as_rows(name: str, value: ArrayLike) -> tuple[Directions, tuple[int, ...]]:
-    """Vectors as a C-contiguous (n, 3) array, and the shape that results have; whoever uses them makes them unit vectors.
+    """Vectors as a C-contiguous (n, 3) array, and the shape that results have; the core makes them unit vectors.
 
     Raises
     ------

@@ -284,7 +284,7 @@ impl TreeBuilder {
         TreeBuilder { rank, lines: Vec::new(), depths: Vec::new() }
     }
 
-    /// With room for some nodes; what is not used is given back in the end.
+    /// With room for some nodes.
     pub(crate) fn with_capacity(rank: Rank, n_nodes: usize) -> TreeBuilder {
         let lines = Vec::with_capacity((n_nodes * rank.n_children()).div_ceil(16));
         TreeBuilder { rank, lines, depths: Vec::new() }
@@ -380,7 +380,10 @@ impl TreeBuilder {
 
     /// The arena under `root`.
     pub fn finish(mut self, root: Slot) -> Arena {
-        self.lines.shrink_to_fit();
+        // Room that was never written to costs nothing, a copy would.
+        if self.lines.capacity() / 8 > self.lines.len() {
+            self.lines.shrink_to_fit();
+        }
         let n_nodes = self.depths.len() as u32;
         let (log2_res, lines) = (self.depth(root), self.lines.into());
         Arena { rank: self.rank, log2_res, n_nodes, lines, top: root, is_sound: true.into() }

@@ -11,8 +11,8 @@ use crate::tree::arena::{Arena, Rank};
 use crate::tree::batch::ask;
 use crate::tree::slice::Slice;
 
-/// Most slices of one tree that are kept: all of them up to 2^10 cells per axis.
-const MAX_SLOTS: usize = 1 << 20;
+/// Most slices of one tree that are kept: all of them up to 2^9 cells per axis. Those of finer trees take more than [`MAX_BYTES`] anyway.
+const MAX_SLOTS: usize = 1 << 18;
 /// Memory of the slices of one tree at which no more are kept \[byte\].
 const MAX_BYTES: usize = 256 << 20;
 
@@ -25,7 +25,7 @@ struct Kept {
 #[derive(Default)]
 pub(super) struct SliceCache {
     /// By incident cell; finer trees share a slot among several cells, and the first one has it.
-    slots: OnceLock<Box<[OnceLock<Box<Kept>>]>>,
+    slots: OnceLock<Box<[OnceLock<Kept>]>>,
     n_bytes: AtomicUsize,
 }
 
@@ -79,7 +79,7 @@ impl SliceCache {
     }
 
     #[inline(always)]
-    fn slot(&self, arena: &Arena, [x, y]: [u32; 2]) -> &OnceLock<Box<Kept>> {
+    fn slot(&self, arena: &Arena, [x, y]: [u32; 2]) -> &OnceLock<Kept> {
         let slots = self.slots.get_or_init(|| {
             let bits = match arena.rank() {
                 Rank::Three => arena.log2_res(),
@@ -92,13 +92,13 @@ impl SliceCache {
     }
 
     #[cold]
-    fn made<'a>(&self, arena: &Arena, cell: [u32; 2], slot: Option<&'a OnceLock<Box<Kept>>>) -> SliceRef<'a> {
+    fn made<'a>(&self, arena: &Arena, cell: [u32; 2], slot: Option<&'a OnceLock<Kept>>) -> SliceRef<'a> {
         let slice = Slice::new(arena, cell);
-        let n_bytes = slice.n_bytes() + size_of::<Kept>();
+        let n_bytes = slice.n_bytes();
         match slot {
             Some(slot) if self.n_bytes.load(Ordering::Relaxed) + n_bytes <= MAX_BYTES => {
                 self.n_bytes.fetch_add(n_bytes, Ordering::Relaxed);
-                let kept = slot.get_or_init(|| Box::new(Kept { cell, slice }));
+                let kept = slot.get_or_init(|| Kept { cell, slice });
                 // Another thread may have been first, with this cell or one that shares the slot.
                 match kept.cell == cell {
                     true => SliceRef::Kept(&kept.slice),
