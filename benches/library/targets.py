@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Target(NamedTuple):
-    """A figure, and the least of it (of times and memory, the most) for trees in the L2 cache and for those of 2 M leaves."""
+    """A figure, and the least of it (the most, of times and memory): for trees in the L2 cache, and of 2 M leaves."""
 
     what: str
     unit: str

@@ -123,28 +123,39 @@ impl Sections {
             Scattering::Tree(_) => raw_slots(&slots),
             Scattering::Matrix(matrix) => raw_matrix(matrix),
         };
-        let small = match self.packing {
-            Packing::Raw => None,
-            Packing::Packed(level) => {
-                let (dense, n_masks) = match function {
-                    Scattering::Tree(tree) => (dense_slots(&slots, tree.rank()), slots.len() / 8),
-                    Scattering::Matrix(_) => (raw(), 0),
-                };
-                let level = i32::from(level);
-                let small = [
-                    (Form::Packed, packed(&dense, level)?),
-                    (Form::Planes, packed(&planes(&dense, n_masks), level)?),
-                ];
-                let small = small.into_iter().min_by_key(|(_, bytes)| bytes.len()).expect("two of them");
-                // What a reader would take for an attack is written raw, and what does not become smaller.
-                self.budget.earn(small.1.len());
-                let is_smaller = small.1.len() < 4 * slots.len().max(dense.len() / 4);
-                (is_smaller && self.budget.spend(dense.len(), 0).is_ok()).then_some(small)
+        let small = match (self.packing, function) {
+            (Packing::Raw, _) => None,
+            (Packing::Packed(level), Scattering::Tree(tree)) => {
+                // A bit for each slot, then the leaves.
+                self.smaller(&dense_slots(&slots, tree.rank()), slots.len() / 8, 4 * slots.len(), level)?
+            }
+            (Packing::Packed(level), Scattering::Matrix(_)) => {
+                let raw = raw();
+                self.smaller(&raw, 0, raw.len(), level)?
             }
         };
         let (form, bytes) = small.unwrap_or_else(|| (Form::Raw, raw()));
         let stored = Stored { form, length: bytes.len() as u64, crc: crc32fast::hash(&bytes) };
         self.all.push(bytes);
         Ok((kind, stored))
+    }
+
+    /// Masks and numbers packed in the better of two ways; none if neither makes them smaller than raw ones, or if they grow out of
+    /// what a reader allows, who takes it for an attack.
+    fn smaller(
+        &mut self,
+        dense: &[u8],
+        n_masks: usize,
+        raw: usize,
+        level: u8,
+    ) -> io::Result<Option<(Form, Vec<u8>)>> {
+        let level = i32::from(level);
+        let plain = packed(dense, level)?;
+        let planes = packed(&planes(dense, n_masks), level)?;
+        let (form, bytes) =
+            if planes.len() < plain.len() { (Form::Planes, planes) } else { (Form::Packed, plain) };
+        self.budget.earn(bytes.len());
+        let is_granted = bytes.len() < raw && self.budget.spend(dense.len(), 0).is_ok();
+        Ok(is_granted.then_some((form, bytes)))
     }
 }
