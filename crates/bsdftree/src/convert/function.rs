@@ -211,39 +211,52 @@ impl<'a, E> Refinement<'a, E> {
             () => self.fate(level, cells[k], of_cell(k)),
         };
         let fates: Vec<Fate> = (0..cells.len()).map(fate).collect();
-        let children: Vec<Cell> = cells
-            .iter()
-            .zip(&fates)
-            .filter(|&(_, &fate)| fate == Fate::Split)
-            .flat_map(|(cell, _)| {
-                (0..n_children).map(|k| std::array::from_fn(|i| cell[i] << 1 | (k as u32 >> i & 1)))
+        let is_asked = |k: usize, child: usize| {
+            let judged = !is_coarse && level < self.options.log2_res;
+            !(judged && self.is_calm(level + 1, child_cell(cells[k], child), of_cell(k), child))
+        };
+        let asked: Vec<Vec<usize>> = (0..cells.len())
+            .map(|k| match fates[k] {
+                Fate::Split => (0..n_children).filter(|&child| is_asked(k, child)).collect(),
+                _ => Vec::new(),
             })
             .collect();
+        let children: Vec<Cell> = cells
+            .iter()
+            .zip(&asked)
+            .flat_map(|(&cell, asked)| asked.iter().map(move |&child| child_cell(cell, child)))
+            .collect();
         let grown = if children.is_empty() { Vec::new() } else { self.refined(level + 1, &children)? };
-        let mut grown = grown.chunks_exact(n_children * channels);
+        let mut grown = grown.chunks_exact(channels);
         for (k, cell) in cells.iter().enumerate() {
-            let below = if fates[k] == Fate::Split { grown.next() } else { None };
+            let below: Vec<&[Branch]> = grown.by_ref().take(asked[k].len()).collect();
             for channel in 0..channels {
                 let grower = &mut self.growers[channel];
-                branches.push(match below {
-                    Some(below) => {
-                        let children: Vec<_> =
-                            below.iter().skip(channel).step_by(channels).copied().collect();
+                branches.push(match fates[k] {
+                    Fate::Split => {
+                        let children: Vec<_> = (0..n_children)
+                            .map(|child| match asked[k].iter().position(|&asked| asked == child) {
+                                Some(at) => below[at][channel],
+                                None => {
+                                    let value = of_cell(k)[child * channels + channel];
+                                    grower.leaf(value, level + 1, child_cell(*cell, child)[0])
+                                }
+                            })
+                            .collect();
                         if level >= self.options.log2_res {
                             grower.blend(&children)
                         } else {
                             grower.join(&children)?
                         }
                     }
-                    None if is_unread(cell) => grower.unread(),
-                    None if fates[k] == Fate::Known => {
-                        let values = of_cell(k).iter().skip(channel).step_by(channels);
-                        let layer = |child: usize| cell[0] << 1 | (child as u32 & 1);
-                        let children: Vec<_> =
-                            values.enumerate().map(|(k, &v)| grower.leaf(v, level + 1, layer(k))).collect();
+                    Fate::Leaf if is_unread(cell) => grower.unread(),
+                    Fate::Known => {
+                        let values = of_cell(k).iter().skip(channel).step_by(channels).enumerate();
+                        let leaf = |(child, &v)| grower.leaf(v, level + 1, child_cell(*cell, child)[0]);
+                        let children: Vec<_> = values.map(leaf).collect();
                         grower.join(&children)?
                     }
-                    None => {
+                    Fate::Leaf => {
                         let sum: f64 = of_cell(k).iter().skip(channel).step_by(channels).sum();
                         grower.leaf(sum / n_children as f64, level, cell[0])
                     }
@@ -251,6 +264,26 @@ impl<'a, E> Refinement<'a, E> {
             }
         }
         Ok(())
+    }
+
+    /// Whether a child of a cell that is split may be one leaf, of the value in its middle, as far as its siblings tell how steep the
+    /// function is there, and the scout.
+    fn is_calm(&self, level: u32, cell: Cell, values: &[f64], child: usize) -> bool {
+        /// For what is not a plane.
+        const CURVED: f64 = 1.5;
+        let channels = self.n_channels;
+        let n_children = self.options.rank.n_children();
+        let value = |child: usize| &values[child * channels..][..channels];
+        let mean: f64 = value(child).iter().sum();
+        // Along an axis the function changes by ±half of the step to the next sibling: a quarter of it on average.
+        let steps: f64 = (0..self.options.rank.dimensions())
+            .flat_map(|i| value(child).iter().zip(value(child ^ 1 << i)))
+            .map(|(a, b)| 0.25 * (a - b).abs())
+            .sum();
+        let (n_even, even, ridge) = self.scout.spread(level, cell, mean);
+        let n = n_children as f64;
+        let error = (CURVED * steps * n + even) / (n + n_even as f64) + ridge;
+        error <= 0.5 * self.options.tolerance * mean.max(self.mean)
     }
 
     /// What is to become of a cell with these values, at the middles of its children and where the scout was.
@@ -302,6 +335,11 @@ enum Fate {
     Known,
     /// Its children are looked at.
     Split,
+}
+
+/// A child of a cell.
+fn child_cell(cell: Cell, child: usize) -> Cell {
+    std::array::from_fn(|i| cell[i] << 1 | (child as u32 >> i & 1))
 }
 
 /// The middle of a child of a cell, or, `scattered`, a place in the child that hangs on nothing else.
