@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bsdftree import _core
-from bsdftree._files import replace_file
 
 
 def read_radiance_matrix(path: str | os.PathLike[str]) -> NDArray[np.float64]:
@@ -65,4 +64,4 @@ def write_radiance_matrix(
         array = array[..., None]
     if array.ndim != 3 or not array.size:
         raise ValueError(f"an array of shape {array.shape}; expected (rows, columns) or (rows, columns, components)")
-    replace_file(path, _core.write_radiance_matrix(array, format))
+    _core.write_radiance_matrix(os.fspath(path), np.ascontiguousarray(array), format)

@@ -1,11 +1,12 @@
 //! Matrices from arrays, and Radiance's matrix files.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use bsdftree::radiance_matrix::{Format, RadianceMatrix};
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 use crate::component::Matrix;
 use crate::layout::{Klems, klems_basis};
@@ -40,13 +41,14 @@ pub fn read_radiance_matrix<'py>(py: Python<'py>, bytes: &[u8]) -> PyResult<Boun
     PyArray1::from_vec(py, values).reshape([n_rows, n_columns, n_components])
 }
 
-/// The bytes of a file.
+/// Writes a file of (rows, columns, components).
 #[pyfunction]
-pub fn write_radiance_matrix<'py>(
-    py: Python<'py>,
+pub fn write_radiance_matrix(
+    py: Python<'_>,
+    path: PathBuf,
     values: PyReadonlyArray3<'_, f64>,
     format: &str,
-) -> PyResult<Bound<'py, PyBytes>> {
+) -> PyResult<()> {
     let format = match format {
         "ascii" => Format::Ascii,
         "float" => Format::Float,
@@ -59,5 +61,6 @@ pub fn write_radiance_matrix<'py>(
     let values = values.as_array();
     let &[n_rows, n_columns, n_components] = values.shape() else { unreachable!("three axes") };
     let matrix = RadianceMatrix { n_rows, n_columns, n_components, values: values.iter().copied().collect() };
-    Ok(PyBytes::new(py, &matrix.write(format)))
+    py.detach(|| matrix.write_file(&path, format))
+        .map_err(|e| PyOSError::new_err((e.raw_os_error(), e.kind().to_string(), path.display().to_string())))
 }

@@ -4,7 +4,12 @@
 //! an empty one last: NROWS, NCOLS, NCOMP (3 if absent), FORMAT (ascii, float or double), BigEndian. Values follow row by row, the
 //! components of an element side by side. Radiance's pictures (FORMAT=32-bit_rle_…) are matrices to it as well, but not here.
 
+use std::io::{self, Write};
+use std::path::Path;
+
 use thiserror::Error;
+
+use crate::whole_file;
 
 /// Most values that are read: 2^31.
 const MAX_VALUES: usize = 1 << 31;
@@ -117,6 +122,18 @@ impl RadianceMatrix {
             true => Ok(RadianceMatrix { n_rows, n_columns, n_components, values }),
             false => Err(MatrixFileError::Count { found: values.len(), expected }),
         }
+    }
+
+    /// Writes a file, which takes the place of an older one when it is complete.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    ///
+    /// # Panics
+    /// As [`RadianceMatrix::write`].
+    pub fn write_file(&self, path: &Path, format: Format) -> io::Result<()> {
+        let bytes = self.write(format);
+        whole_file::write(path, |file| file.write_all(&bytes))
     }
 
     /// The bytes of a file.

@@ -9,7 +9,7 @@
 
 use super::ConvertError;
 use super::grow::{Branch, Grower};
-use super::scout::{Place, Scout, even_places, ridge_places, star};
+use super::scout::{Found, Place, Scout, even_places, ridge_places, star};
 use super::{TreeOptions, xyz};
 use crate::bsdf::{Band, Bsdf, Component, Part};
 use crate::direction::Direction;
@@ -102,8 +102,14 @@ impl Bsdf {
     }
 }
 
-/// A cell: lower corner in units of its edge.
-type Cell = [u32; 4];
+/// A cell.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    /// Lower corner in units of its edge.
+    at: [u32; 4],
+    /// What the scout found in it.
+    found: Found,
+}
 
 /// A component being refined.
 struct Refinement<'a, E> {
@@ -162,7 +168,8 @@ impl<'a, E> Refinement<'a, E> {
     }
 
     fn trees(mut self) -> Result<Vec<Tree>, FunctionError<E>> {
-        let root = self.refined(0, &[[0; 4]])?;
+        let whole = Cell { at: [0; 4], found: self.scout.all() };
+        let root = self.refined(0, &[whole])?;
         Ok(self.growers.into_iter().zip(root).map(|(grower, root)| grower.finish(root)).collect())
     }
 
@@ -192,11 +199,11 @@ impl<'a, E> Refinement<'a, E> {
         } else {
             let points: Vec<_> = cells
                 .iter()
-                .flat_map(|&cell| (0..n_children).map(move |k| point(level, cell, k, scattered)))
+                .flat_map(|&cell| (0..n_children).map(move |k| point(level, cell.at, k, scattered)))
                 .collect();
             evaluate(self.f, self.part, rank, channels, &points)?
         };
-        let is_unread = |cell: &Cell| rank == Rank::Three && level > 0 && cell[0] >> (level - 1) > 0;
+        let is_unread = |cell: &Cell| rank == Rank::Three && level > 0 && cell.at[0] >> (level - 1) > 0;
         let of_cell = |k: usize| &values[k * n_children * channels..][..n_children * channels];
         let fate = |k: usize| match () {
             () if is_unread(&cells[k]) || finest => Fate::Leaf,
@@ -213,7 +220,7 @@ impl<'a, E> Refinement<'a, E> {
         let fates: Vec<Fate> = (0..cells.len()).map(fate).collect();
         let is_asked = |k: usize, child: usize| {
             let judged = !is_coarse && level < self.options.log2_res;
-            !(judged && self.is_calm(level + 1, child_cell(cells[k], child), of_cell(k), child))
+            !(judged && self.is_calm(level + 1, cells[k], of_cell(k), child))
         };
         let asked: Vec<Vec<usize>> = (0..cells.len())
             .map(|k| match fates[k] {
@@ -224,7 +231,7 @@ impl<'a, E> Refinement<'a, E> {
         let children: Vec<Cell> = cells
             .iter()
             .zip(&asked)
-            .flat_map(|(&cell, asked)| asked.iter().map(move |&child| child_cell(cell, child)))
+            .flat_map(|(cell, asked)| asked.iter().map(|&child| self.child(level + 1, cell, child)))
             .collect();
         let grown = if children.is_empty() { Vec::new() } else { self.refined(level + 1, &children)? };
         let mut grown = grown.chunks_exact(channels);
@@ -239,7 +246,7 @@ impl<'a, E> Refinement<'a, E> {
                                 Some(at) => below[at][channel],
                                 None => {
                                     let value = of_cell(k)[child * channels + channel];
-                                    grower.leaf(value, level + 1, child_cell(*cell, child)[0])
+                                    grower.leaf(value, level + 1, child_corner(cell.at, child)[0])
                                 }
                             })
                             .collect();
@@ -252,13 +259,13 @@ impl<'a, E> Refinement<'a, E> {
                     Fate::Leaf if is_unread(cell) => grower.unread(),
                     Fate::Known => {
                         let values = of_cell(k).iter().skip(channel).step_by(channels).enumerate();
-                        let leaf = |(child, &v)| grower.leaf(v, level + 1, child_cell(*cell, child)[0]);
+                        let leaf = |(child, &v)| grower.leaf(v, level + 1, child_corner(cell.at, child)[0]);
                         let children: Vec<_> = values.map(leaf).collect();
                         grower.join(&children)?
                     }
                     Fate::Leaf => {
                         let sum: f64 = of_cell(k).iter().skip(channel).step_by(channels).sum();
-                        grower.leaf(sum / n_children as f64, level, cell[0])
+                        grower.leaf(sum / n_children as f64, level, cell.at[0])
                     }
                 });
             }
@@ -268,7 +275,7 @@ impl<'a, E> Refinement<'a, E> {
 
     /// Whether a child of a cell that is split may be one leaf, of the value in its middle, as far as its siblings tell how steep the
     /// function is there, and the scout.
-    fn is_calm(&self, level: u32, cell: Cell, values: &[f64], child: usize) -> bool {
+    fn is_calm(&self, level: u32, parent: Cell, values: &[f64], child: usize) -> bool {
         /// For what is not a plane.
         const CURVED: f64 = 1.5;
         let channels = self.n_channels;
@@ -278,12 +285,23 @@ impl<'a, E> Refinement<'a, E> {
         // Along an axis the function changes by ±half of the step to the next sibling: a quarter of it on average.
         let steps: f64 = (0..self.options.rank.dimensions())
             .flat_map(|i| value(child).iter().zip(value(child ^ 1 << i)))
-            .map(|(a, b)| 0.25 * (a - b).abs())
+            .map(|(a, b)| (a - b).powi(2))
             .sum();
-        let (n_even, even, ridge) = self.scout.spread(level, cell, mean);
+        let limit = 0.5 * self.options.tolerance * mean.max(self.mean);
+        let error = CURVED * 0.25 * steps.sqrt();
+        if error > limit {
+            return false;
+        }
+        let cell = self.child(level, &parent, child);
+        let (n_even, even, ridge) = self.scout.spread(cell.found, level, mean);
         let n = n_children as f64;
-        let error = (CURVED * steps * n + even) / (n + n_even as f64) + ridge;
-        error <= 0.5 * self.options.tolerance * mean.max(self.mean)
+        (error * n + even) / (n + n_even as f64) + ridge <= limit
+    }
+
+    /// A child, of the level given, of a cell.
+    fn child(&self, level: u32, parent: &Cell, child: usize) -> Cell {
+        let at = child_corner(parent.at, child);
+        Cell { at, found: self.scout.within(parent.found, level, at) }
     }
 
     /// What is to become of a cell with these values, at the middles of its children and where the scout was.
@@ -297,7 +315,7 @@ impl<'a, E> Refinement<'a, E> {
                 of_channel().map(|v| (v - mean).abs()).sum::<f64>()
             })
             .sum();
-        let (n_even, even, ridge) = self.scout.spread(level, cell, mean);
+        let (n_even, even, ridge) = self.scout.spread(cell.found, level, mean);
         let error = (spread + even) / (n + n_even as f64) + ridge;
         if level == self.options.log2_res {
             let is_narrow = error > NARROW * mean && error > 0.5 * self.mean;
@@ -337,13 +355,13 @@ enum Fate {
     Split,
 }
 
-/// A child of a cell.
-fn child_cell(cell: Cell, child: usize) -> Cell {
-    std::array::from_fn(|i| cell[i] << 1 | (child as u32 >> i & 1))
+/// Lower corner of a child of a cell.
+fn child_corner(at: [u32; 4], child: usize) -> [u32; 4] {
+    std::array::from_fn(|i| at[i] << 1 | (child as u32 >> i & 1))
 }
 
 /// The middle of a child of a cell, or, `scattered`, a place in the child that hangs on nothing else.
-fn point(level: u32, cell: Cell, child: usize, scattered: bool) -> [f64; 4] {
+fn point(level: u32, cell: [u32; 4], child: usize, scattered: bool) -> [f64; 4] {
     let scale = 0.5f64.powi(level as i32 + 1);
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     std::array::from_fn(|i| {

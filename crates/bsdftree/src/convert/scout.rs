@@ -93,19 +93,28 @@ impl Scout {
         even.map(|(_, value, _)| value).sum::<f64>() / f64::from(N_EVEN)
     }
 
-    /// In a cell: number of even places, sum of |value − mean| over them, and over ridges as a fraction of the cell.
-    pub fn spread(&self, level: u32, cell: [u32; 4], mean: f64) -> (usize, f64, f64) {
-        let d = self.rank.dimensions() as u32;
-        // Below the finest cells nothing more is known.
-        if level > self.log2_res {
-            return (0, 0.0, 0.0);
+    /// What was found in everything.
+    pub fn all(&self) -> Found {
+        Found { first: 0, last: self.found.len() as u32 }
+    }
+
+    /// What was found in a cell, of what was found in one that it lies in. Below the finest cells nothing more is known.
+    pub fn within(&self, outer: Found, level: u32, cell: [u32; 4]) -> Found {
+        if level > self.log2_res || outer.first == outer.last {
+            return Found { first: 0, last: 0 };
         }
-        let shift = d * (self.log2_res - level);
-        let first = morton(self.rank, level, cell) << shift;
-        let begin = self.found.partition_point(|&(at, ..)| at < first);
-        let end = begin + self.found[begin..].partition_point(|&(at, ..)| at < first + (1 << shift));
+        let shift = self.rank.dimensions() as u32 * (self.log2_res - level);
+        let cell = morton(self.rank, level, cell);
+        let found = &self.found[outer.first as usize..outer.last as usize];
+        let begin = found.partition_point(|&(at, ..)| at >> shift < cell);
+        let n = found[begin..].partition_point(|&(at, ..)| at >> shift == cell);
+        Found { first: outer.first + begin as u32, last: outer.first + (begin + n) as u32 }
+    }
+
+    /// In a cell of a level: number of even places, sum of |value − mean| over them, and over ridges as a fraction of the cell.
+    pub fn spread(&self, found: Found, level: u32, mean: f64) -> (usize, f64, f64) {
         let (mut n, mut even, mut ridge) = (0, 0.0, 0.0);
-        for &(_, value, on_ridge) in &self.found[begin..end] {
+        for &(_, value, on_ridge) in &self.found[found.first as usize..found.last as usize] {
             let off = (value - mean).abs();
             if on_ridge {
                 ridge += off;
@@ -114,8 +123,16 @@ impl Scout {
                 even += off;
             }
         }
-        (n, even, ridge * 0.5f64.powi(shift as i32))
+        let cells = self.rank.dimensions() as u32 * self.log2_res.saturating_sub(level);
+        (n, even, ridge * 0.5f64.powi(cells as i32))
     }
+}
+
+/// Where in the scout's list a cell's places are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    first: u32,
+    last: u32,
 }
 
 /// Bits of the coordinates in turn, the coarsest first.
