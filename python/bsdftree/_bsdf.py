@@ -653,11 +653,12 @@ class Bsdf:
         """
         return Bsdf(_core.to_klems(self._core, basis, subdivide))
 
-    def to_tree(self, rank: int = 4, log2_res: int = 6, *, tolerance: float = 0.0) -> Bsdf:
+    def to_tree(self, rank: int = 4, log2_res: int = 5, *, tolerance: float = 0.0) -> Bsdf:
         """Return the BSDF as tensor trees.
 
         Each value is the mean over its cell by projected solid angle, so totals are kept. Patches have borders where
-        cells have none: :meth:`distance` says what that costs.
+        cells have none: :meth:`distance` says what that costs. Each level of resolution is up to sixteen times as many
+        values, along all borders; a tolerance keeps them few.
 
         Parameters
         ----------

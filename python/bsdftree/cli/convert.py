@@ -39,7 +39,7 @@ from bsdftree.cli._common import read, repair_option, with_input_errors
 @click.option(
     "--log2-res",
     type=click.IntRange(1, 10),
-    default=6,
+    default=5,
     show_default=True,
     help="With --tree: at most 2^N cells per axis.",
 )
@@ -105,7 +105,7 @@ def convert(
       bsdftree convert --repair faulty.xml mended.xml
       bsdftree convert blinds.xml klems.xml --klems full
       bsdftree convert blinds.xml fine.xml --klems full --subdivide 2
-      bsdftree convert klems.xml tree.xml --tree --rank 4 --log2-res 6 --tolerance 1
+      bsdftree convert klems.xml tree.xml --tree --rank 4 --log2-res 5 --tolerance 5
       bsdftree convert blinds.xml turned.xml --rotate 90
       bsdftree convert blinds.xml T.mtx --klems full
       bsdftree convert --raw float --rank 4 --component reflection_back grid.flt tree.xml
@@ -163,6 +163,7 @@ def _write_matrix(bsdf: Bsdf, component: str, target: str) -> None:
 
 
 def _say_errors(bsdf: Bsdf, made: Bsdf, how: str = "") -> None:
-    for band in bsdf.bands:
-        for key, error in bsdf.distance(made, band).items():
-            click.echo(f"{band} {key}: relative L1 error {100 * error:.2g} %{', ' + how if how else ''}", err=True)
+    """Print how far what was made is from what was there; nothing of what is as it was."""
+    changed = ((band, key, error) for band in bsdf.bands for key, error in bsdf.distance(made, band).items() if error)
+    for band, key, error in changed:
+        click.echo(f"{band} {key}: relative L1 error {100 * error:.1f} %{', ' + how if how else ''}", err=True)
