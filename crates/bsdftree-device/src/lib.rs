@@ -38,6 +38,7 @@ pub mod mesh;
 mod mgf;
 pub mod options;
 pub mod parametric;
+mod period;
 mod rad;
 pub mod shape;
 mod triangulate;

@@ -4,9 +4,10 @@
 //! Out: one tree, whose mean over each leaf of the residual is that of the full paths. Within it, the residual is shared out in
 //! proportion to the model, which keeps its detail.
 
-use crate::errors::Uncertainty;
+use crate::errors::{STUDENT_95, Uncertainty};
 use crate::pyramid::Pyramid;
-use crate::reduce::Kept;
+use crate::reduce::{Kept, Reducer, Region};
+use crate::scatter::Flux;
 
 /// A leaf of the residual on its way down.
 #[derive(Clone, Copy)]
@@ -29,6 +30,45 @@ pub(crate) fn corrected(
     let [value, error] =
         walked([kept, errors], Residual::Tree([residual, &of_residual.errors]), model, block);
     [value, error]
+}
+
+/// Light that the residual adds to each incident cell's total, and the standard error of that, shared out as [`corrected`] does.
+/// What cannot be told from noise is left out: totals are known better than the few full paths tell.
+pub(crate) fn of_totals<S: Flux>(
+    reducer: &Reducer<'_, S>,
+    residual: &Kept,
+    of_residual: &Uncertainty,
+) -> [Vec<f64>; 2] {
+    let nothing = vec![0.0; reducer.rows.len()];
+    let mut sums = [nothing.clone(), nothing];
+    add_to_totals(reducer, [residual, &of_residual.errors], reducer.root().0, &mut sums);
+    let [values, squares] = sums;
+    [values, squares.into_iter().map(f64::sqrt).collect()]
+}
+
+fn add_to_totals<S: Flux>(
+    reducer: &Reducer<'_, S>,
+    trees: [&Kept; 2],
+    region: Region,
+    sums: &mut [Vec<f64>; 2],
+) {
+    if let [Kept::Leaf { value, .. }, Kept::Leaf { value: error, .. }] = trees {
+        if value.abs() <= STUDENT_95 * error {
+            return;
+        }
+        let modelled = reducer.modelled(&region).value;
+        let area = reducer.omega * region.n_exit as f64;
+        for row in region.rows() {
+            let mean = reducer.modelled_sum(row as u32, &region) / area;
+            let [more, noise] = [*value, *error].map(|v| Share::of(v, modelled).here(mean) * area);
+            sums[0][row] += more;
+            sums[1][row] += noise * noise;
+        }
+        return;
+    }
+    for (k, part) in reducer.regions(region).enumerate() {
+        add_to_totals(reducer, trees.map(|tree| child_of(tree, k)), part, sums);
+    }
 }
 
 /// What is left to be added.
@@ -86,13 +126,16 @@ fn walked(trees: [&Kept; 2], residual: Residual<'_>, model: &Pyramid, block: Blo
         other => other,
     };
     match (trees, residual) {
-        ([Kept::Leaf { value, xyz }, Kept::Leaf { value: error, .. }], Residual::Shared([more, noise])) => {
+        (
+            [Kept::Leaf { value, xyz, .. }, Kept::Leaf { value: error, .. }],
+            Residual::Shared([more, noise]),
+        ) => {
             let modelled = block.modelled(model);
             let corrected = (value + more.here(modelled)).max(0.0);
             let factor = if *value > 0.0 { (corrected / value) as f32 } else { 1.0 };
             [
-                Kept::Leaf { value: corrected, xyz: xyz.map(|c| c * factor) },
-                Kept::Leaf { value: error.hypot(noise.here(modelled)), xyz: [0.0; 3] },
+                Kept::Leaf { value: corrected, xyz: xyz.map(|c| c * factor), split: None },
+                Kept::Leaf { value: error.hypot(noise.here(modelled)), xyz: [0.0; 3], split: None },
             ]
         }
         (trees, residual) => {

@@ -14,6 +14,7 @@ use crate::bands::Detector;
 use crate::checkpoint::RoundFile;
 use crate::counts::{Block, Counts, Place, Shape, Slot, Spent};
 use crate::diffuse::{Deposits, Laid, Reuse, Walker};
+use crate::entrance::Entrance;
 use crate::estimate::Counted;
 use crate::generate::GenerateError;
 use crate::options::{Aperture, Options};
@@ -31,6 +32,7 @@ pub(crate) struct Counter<'a, D: Detector> {
     pub scene: Scene<D::Light>,
     pub options: &'a Options,
     pub aperture: Aperture,
+    pub entrance: Entrance,
     pub tile: Option<Tile>,
     pub reuse: Option<Reuse>,
     pub progress: &'a Progress,
@@ -218,22 +220,18 @@ impl<D: Detector> Counter<'_, D> {
         tallies: &mut [[Tally<D::Flux>; 2]],
     ) -> u64 {
         let Options { layout, seed, stratified, .. } = self.options;
-        let Aperture { min, max } = self.aperture;
-        let z = if side == Side::Front { max[2] } else { min[2] };
-        // Starting a little before the plane of the aperture, a ray meets also what lies in that plane.
-        let margin = 1e-6 * (max[0] - min[0]).min(max[1] - min[1]);
         let stream = (cell as u64) << 1 | u64::from(side == Side::Back);
         let mut points = Stratified::new(*seed, stream);
         let departures = round.map(|sample| {
-            let Start { incident: [u, v], origin: [s, t], random } = match stratified {
+            let Start { incident: [u, v], origin, random } = match stratified {
                 true => points.start(*seed, stream, sample),
                 false => Start::independent(*seed, stream, sample),
             };
             let disk = layout.incident_disk(cell, u, v);
             let direction = DVec3::from_array(side.opposite().direction_from_disk(disk));
-            let place = DVec3::new(min[0] + s * (max[0] - min[0]), min[1] + t * (max[1] - min[1]), z);
+            let ray = self.entrance.through_aperture(side, direction, origin);
             let replicate = (sample % N_REPLICATES as u64) as usize;
-            Departure { origin: place - direction * margin, direction, random, tag: (disk, replicate) }
+            Departure { origin: ray.origin, direction, random, tag: (disk, replicate) }
         });
         let mut lost = 0;
         self.scene.follow_all(departures, self.tile.as_ref(), |(disk, replicate), outcome| match outcome {

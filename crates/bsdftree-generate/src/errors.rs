@@ -74,7 +74,7 @@ fn visited<S: Flux>(
             };
             let spread = spread(reducer, *value, &region, members);
             Uncertainty {
-                errors: Kept::Leaf { value: error, xyz: [0.0; 3] },
+                errors: Kept::Leaf { value: error, xyz: [0.0; 3], split: None },
                 absolute: MEAN_ABSOLUTE * size * (error + spread),
                 total: size * value,
             }
@@ -82,12 +82,13 @@ fn visited<S: Flux>(
         Kept::Node(children) => {
             let weight = reducer.weight(members);
             let parts = reducer.parts(region, members);
-            let visit = |(child, (part, m)): (&Kept, &(Region, Vec<Member>))| {
-                visited(reducer, child, *part, m, weight)
+            let visit = |(k, child): (usize, &Kept)| {
+                let (part, members) = parts.get(k);
+                visited(reducer, child, part, members, weight)
             };
             let children: Vec<_> = match region.level < 2 {
-                true => children.par_iter().zip(&parts).map(visit).collect(),
-                false => children.iter().zip(&parts).map(visit).collect(),
+                true => children.par_iter().enumerate().map(visit).collect(),
+                false => children.iter().enumerate().map(visit).collect(),
             };
             Uncertainty {
                 absolute: children.iter().map(|c| c.absolute).sum(),
@@ -110,7 +111,7 @@ fn spread<S: Flux>(reducer: &Reducer<'_, S>, value: f64, region: &Region, member
         .iter()
         .filter(|(part, _)| part.size() > 0.0)
         .map(|(part, m)| {
-            let child = reducer.moments(part, m, weight);
+            let child = reducer.moments(&part, m, weight);
             part.size() * ((child.value - value).powi(2) - (child.variance - own))
         })
         .sum();

@@ -7,7 +7,7 @@ use bsdftree::{Band, Basis, Component, Matrix, Part, Scattering, Side};
 use rayon::prelude::*;
 
 use crate::bands::Detector;
-use crate::correction::corrected;
+use crate::correction::{corrected, of_totals};
 use crate::diffuse::Model;
 use crate::errors::{MEAN_ABSOLUTE, STUDENT_95, Uncertainty, standard_error, uncertainty};
 use crate::generate::GenerateError;
@@ -20,6 +20,9 @@ use crate::reduce::{LAMBDA, Reducer};
 use crate::scatter::Flux;
 use crate::tally::{Exit, Row};
 use crate::totals::Totals;
+
+/// So many exits can be reduced while what leaves would be as nodes is remembered: some hundred bytes for each.
+const REMEMBERED: usize = 1 << 20;
 
 /// Counted paths of one side: reflected and transmitted rows, one for each incident cell.
 pub(crate) struct Counted<S> {
@@ -94,12 +97,12 @@ impl<S: Flux> Estimator<'_, S> {
         for Counted { side, .. } in counted {
             let parts = [*side, side.opposite()].map(|toward| Part::between(*side, toward));
             let rows = parts.map(|part| self.rows(counted, part));
-            let totals = [0, 1].map(|k| self.totals(parts[k], &rows[k]));
+            let mut totals = [0, 1].map(|k| self.totals(parts[k], &rows[k]));
             let mean =
                 totals.iter().flat_map(|t| &t.values).sum::<f64>() / (PI * totals[0].values.len() as f64);
             let headroom: Vec<f64> =
                 totals[0].values.iter().zip(&totals[1].values).map(|(a, b)| 1.0 - a - b).collect();
-            for ((part, rows), totals) in parts.into_iter().zip(rows).zip(&totals) {
+            for ((part, rows), totals) in parts.into_iter().zip(rows).zip(&mut totals) {
                 let estimate = match &self.options.layout {
                     Layout::Tree { .. } => self.trees(&rows, totals, &headroom, mean)?,
                     Layout::Klems(basis) => self.matrices(&rows, totals, basis)?,
@@ -159,7 +162,7 @@ impl<S: Flux> Estimator<'_, S> {
     fn trees(
         &self,
         rows: &Rows<'_, S>,
-        totals: &Totals,
+        totals: &mut Totals,
         headroom: &[f64],
         mean: f64,
     ) -> Result<Estimate, GenerateError> {
@@ -176,6 +179,7 @@ impl<S: Flux> Estimator<'_, S> {
             price: self.price(mean, log2_res),
             model: rows.model.as_ref(),
             residual: false,
+            remembers: rows.best().iter().map(Row::len).sum::<usize>() <= REMEMBERED,
         };
         let kept = reducer.cheapest();
         let (kept, deviations) = match self.options.pruned {
@@ -191,6 +195,7 @@ impl<S: Flux> Estimator<'_, S> {
                 symmetric: false,
                 pruned: true,
                 residual: true,
+                remembers: false,
                 price: 0.0,
                 ..reducer
             };
@@ -198,6 +203,9 @@ impl<S: Flux> Estimator<'_, S> {
             let uncertain = uncertainty(&reducer, &residual);
             absolute = absolute.hypot(uncertain.absolute);
             [kept, errors] = corrected(&kept, &errors, &residual, &uncertain, model);
+            let [more, noise] = of_totals(&reducer, &residual, &uncertain);
+            totals.values.iter_mut().zip(more).for_each(|(total, more)| *total += more);
+            totals.errors.iter_mut().zip(noise).for_each(|(error, noise)| *error = error.hypot(noise));
         }
         let trees = kept.trees(rank, self.xyz.is_some())?;
         let chroma = trees.chroma.map(|trees| trees.map(Scattering::from));

@@ -21,6 +21,7 @@ use crate::checkpoint::{Checkpoint, CheckpointError, Counted, Job};
 use crate::count::Counter;
 use crate::counts::{Counts, Spent};
 use crate::diffuse::Reuse;
+use crate::entrance::Entrance;
 use crate::estimate::{Estimator, pyramid};
 use crate::geometry;
 use crate::layout::Layout;
@@ -228,8 +229,9 @@ impl<'a, D: Detector> Generator<'a, D> {
         };
         let tile = options.tile.then(|| Tile::new(aperture));
         let reciprocity = options.reciprocity.unwrap_or_else(|| is_symmetric(device, options, &aperture));
+        let entrance = Entrance::new(device, &aperture, tile.as_ref());
         let reuse = match options.reuse {
-            true => Reuse::new(&scene, device, options, &aperture, tile.as_ref()),
+            true => Reuse::new(&scene, device, options, &entrance, tile.as_ref()),
             false => None,
         };
         let counted = Counted { spectral: D::SPECTRAL, n_channels: D::Flux::CHANNELS };
@@ -238,7 +240,7 @@ impl<'a, D: Detector> Generator<'a, D> {
             Some(directory) => Some(Checkpoint::open(directory, &job(reuse.as_ref().map(Reuse::n_sites)))?),
             None => None,
         };
-        let counter = Counter { detector, scene, options, aperture, tile, reuse, progress };
+        let counter = Counter { detector, scene, options, aperture, entrance, tile, reuse, progress };
         Ok(Generator { counter, options, checkpoint, reciprocity, xyz })
     }
 

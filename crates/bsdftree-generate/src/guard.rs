@@ -7,6 +7,8 @@
 //! Leaves are split in the order of their score, as many as would remove all excess if splitting removed their contribution, and
 //! this is repeated until no total differs, or nothing is left to split.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::errors::STUDENT_95;
@@ -26,43 +28,36 @@ const MAX_ROUNDS: u32 = 40;
 /// for each incident cell, the part of the light that was counted neither as reflected nor as transmitted.
 pub(crate) fn guarded<S: Flux>(
     reducer: &Reducer<'_, S>,
-    kept: Kept,
+    mut kept: Kept,
     totals: &Totals,
     headroom: &[f64],
     tolerance: f64,
 ) -> (Kept, Vec<f64>) {
     let (root, members) = reducer.root();
     let limits = limits(totals, headroom, tolerance);
-    let mut leaves = Vec::new();
-    let shape = flattened(reducer, kept, root, &members, &mut leaves);
     let mut sums: Vec<f64> = totals.values.iter().map(|total| -total).collect();
-    sums.iter_mut().enumerate().for_each(|(row, sum)| *sum += reducer.modelled_sum(row as u32, &root));
-    members.iter().for_each(|&member| sums[member[0] as usize] += reducer.sums(member).0);
-    leaves.iter().for_each(|leaf| leaf.contributions(reducer, |row, d| sums[row as usize] += d));
+    reducer.give(&kept, root, 1.0, &mut sums);
     for _ in 0..MAX_ROUNDS {
-        let mut excess: Vec<_> =
-            sums.iter().zip(&limits).map(|(sum, l)| sum.abs() - l[usize::from(*sum < 0.0)]).collect();
-        if excess.iter().all(|&e| e <= 0.0) {
+        let excess = sums.iter().zip(&limits).map(|(sum, l)| sum.abs() - l[usize::from(*sum < 0.0)]);
+        let deviating = Deviating::new(excess.collect(), &sums);
+        if deviating.rows.is_empty() {
             break;
         }
-        let wanted = leaves_to_split(reducer, &leaves, &sums, &mut excess);
+        let among: Vec<Member> =
+            members.iter().filter(|m| deviating.excess[m[0] as usize] > 0.0).copied().collect();
+        let candidates = deviating.candidates(reducer, &kept, root, &among);
+        let wanted = deviating.leaves_to_split(reducer, candidates);
         if wanted.is_empty() {
             break;
         }
-        for index in wanted {
-            let leaf = &leaves[index];
-            leaf.contributions(reducer, |row, d| sums[row as usize] -= d);
-            let (region, members) = (leaf.region, leaf.members.clone());
-            let n_before = leaves.len();
-            let split =
-                flattened(reducer, reducer.split_kept(region, &members), region, &members, &mut leaves);
-            for leaf in &leaves[n_before..] {
-                leaf.contributions(reducer, |row, d| sums[row as usize] += d);
-            }
-            leaves[index].split = Some(split);
+        for region in wanted {
+            let leaf = leaf_mut(reducer, &mut kept, root, &region);
+            reducer.give(leaf, region, -1.0, &mut sums);
+            reducer.split_leaf(leaf, region);
+            reducer.give(leaf, region, 1.0, &mut sums);
         }
     }
-    (assembled(&shape, &leaves), sums)
+    (kept, sums)
 }
 
 /// How much more, and how much less, than counted the tree may give each incident cell.
@@ -72,112 +67,164 @@ fn limits(totals: &Totals, headroom: &[f64], tolerance: f64) -> Vec<[f64; 2]> {
     limits.zip(headroom).map(|(limit, room)| [limit.min(0.5 * room.max(0.0) + EXCESS), limit]).collect()
 }
 
-/// A leaf of the tree with the counts that fell into it.
-struct Leaf {
-    value: f64,
-    xyz: [f32; 3],
+/// The leaf of a region.
+fn leaf_mut<'k, S: Flux>(
+    reducer: &Reducer<'_, S>,
+    mut kept: &'k mut Kept,
+    mut at: Region,
+    region: &Region,
+) -> &'k mut Kept {
+    while let Kept::Node(children) = kept {
+        let mut parts = reducer.regions(at).enumerate();
+        let (k, part) = parts.find(|(_, part)| part.contains(region)).expect("a part of the whole");
+        (kept, at) = (&mut children[k], part);
+    }
+    kept
+}
+
+/// Incident cells whose total is not kept.
+struct Deviating<'a> {
+    rows: Vec<u32>,
+    /// How many of them come before each incident cell.
+    before: Vec<u32>,
+    /// By how much each incident cell's total is off beyond what is tolerated, where that is positive.
+    excess: Vec<f64>,
+    sums: &'a [f64],
+    /// Those of them that have too much, less those that have too little, up to each.
+    signs: Vec<f64>,
+}
+
+/// A leaf that may be split.
+struct Candidate {
     region: Region,
+    /// What it gives each incident cell.
+    given: f64,
+    /// What was counted for cells that deviate.
     members: Vec<Member>,
-    /// What took its place.
-    split: Option<Shape>,
+    /// What it contributes to them in all, in the direction of their deviation.
+    score: f64,
 }
 
-/// The tree over a list of leaves.
-enum Shape {
-    Leaf(usize),
-    Node(Vec<Shape>),
-}
-
-impl Leaf {
-    /// Calls `f` for each incident cell with how much more light the leaf gives it than was counted.
-    fn contributions<S: Flux>(&self, reducer: &Reducer<'_, S>, mut f: impl FnMut(u32, f64)) {
-        if self.value == 0.0 && self.members.is_empty() && reducer.modelled(&self.region).value == 0.0 {
-            return;
+impl<'a> Deviating<'a> {
+    fn new(excess: Vec<f64>, sums: &'a [f64]) -> Deviating<'a> {
+        let (mut rows, mut before) = (Vec::new(), Vec::with_capacity(excess.len() + 1));
+        let mut signs = vec![0.0];
+        for (row, &excess) in excess.iter().enumerate() {
+            before.push(rows.len() as u32);
+            if excess > 0.0 {
+                signs.push(signs[rows.len()] + sums[row].signum());
+                rows.push(row as u32);
+            }
         }
-        let given = self.value * reducer.omega * self.region.n_exit as f64;
-        let mut members = self.members.iter().peekable();
-        for row in self.region.first_row..self.region.first_row + self.region.n_rows {
-            let counted = members.next_if(|m| m[0] == row).map_or(0.0, |&m| reducer.sums(m).0);
-            f(row, given - counted - reducer.modelled_sum(row, &self.region));
+        before.push(rows.len() as u32);
+        Deviating { rows, before, excess, sums, signs }
+    }
+
+    /// Those in a region, by their places in the list.
+    fn within(&self, region: &Region) -> Range<usize> {
+        let Range { start, end } = region.rows();
+        self.before[start] as usize..self.before[end] as usize
+    }
+
+    /// Leaves that give too much to those that have too much, or too little to those that have too little. `members` are what was
+    /// counted for cells that deviate alone.
+    fn candidates<S: Flux>(
+        &self,
+        reducer: &Reducer<'_, S>,
+        kept: &Kept,
+        region: Region,
+        members: &[Member],
+    ) -> Vec<Candidate> {
+        match kept {
+            _ if self.within(&region).is_empty() => Vec::new(),
+            Kept::Leaf { value, .. } => {
+                self.candidate(reducer, *value, region, members).into_iter().collect()
+            }
+            Kept::Node(children) => {
+                let parts = reducer.parts(region, members);
+                let below = |(k, child): (usize, &Kept)| {
+                    let (part, members) = parts.get(k);
+                    self.candidates(reducer, child, part, members)
+                };
+                match region.level < 2 {
+                    true => children.par_iter().enumerate().flat_map_iter(below).collect(),
+                    false => children.iter().enumerate().flat_map(below).collect(),
+                }
+            }
         }
     }
-}
 
-fn flattened<S: Flux>(
-    reducer: &Reducer<'_, S>,
-    kept: Kept,
-    region: Region,
-    members: &[Member],
-    leaves: &mut Vec<Leaf>,
-) -> Shape {
-    match kept {
-        Kept::Leaf { value, xyz } => {
-            leaves.push(Leaf { value, xyz, region, members: members.to_vec(), split: None });
-            Shape::Leaf(leaves.len() - 1)
-        }
-        Kept::Node(children) => {
-            let parts = reducer.parts(region, members);
-            let children = children.into_iter().zip(&parts);
-            Shape::Node(
-                children.map(|(child, (part, m))| flattened(reducer, child, *part, m, leaves)).collect(),
-            )
-        }
-    }
-}
-
-fn assembled(shape: &Shape, leaves: &[Leaf]) -> Kept {
-    match shape {
-        Shape::Leaf(index) => match &leaves[*index] {
-            Leaf { split: Some(split), .. } => assembled(split, leaves),
-            Leaf { value, xyz, .. } => Kept::Leaf { value: *value, xyz: *xyz },
-        },
-        Shape::Node(children) => Kept::Node(children.iter().map(|child| assembled(child, leaves)).collect()),
-    }
-}
-
-/// Leaves to split, best first; takes what they would remove from the excess.
-fn leaves_to_split<S: Flux>(
-    reducer: &Reducer<'_, S>,
-    leaves: &[Leaf],
-    sums: &[f64],
-    excess: &mut [f64],
-) -> Vec<usize> {
-    struct Candidate {
-        leaf: usize,
-        score: f64,
-        /// What it contributes to the cells that deviate, in the direction of their deviation.
-        parts: Vec<(u32, f64)>,
-    }
-    // How many incident cells before each deviate: most leaves meet none that does.
-    let mut deviating = vec![0u32; excess.len() + 1];
-    for (row, &excess) in excess.iter().enumerate() {
-        deviating[row + 1] = deviating[row] + u32::from(excess > 0.0);
-    }
-    let candidate = |(index, leaf): (usize, &Leaf)| {
-        let Region { first_row, n_rows, .. } = leaf.region;
-        let any = deviating[(first_row + n_rows) as usize] > deviating[first_row as usize];
-        if !any || leaf.split.is_some() || reducer.is_whole(&leaf.region, &leaf.members) {
+    fn candidate<S: Flux>(
+        &self,
+        reducer: &Reducer<'_, S>,
+        value: f64,
+        region: Region,
+        members: &[Member],
+    ) -> Option<Candidate> {
+        if region.level == reducer.log2_res
+            || (members.is_empty() && value == 0.0 && reducer.modelled(&region).value == 0.0)
+        {
             return None;
         }
-        let mut parts = Vec::new();
-        leaf.contributions(reducer, |row, d| {
-            if excess[row as usize] > 0.0 {
-                parts.push((row, d * sums[row as usize].signum()));
+        let given = value * reducer.omega * region.n_exit as f64;
+        let score = match reducer.model {
+            Some(_) => self
+                .contributions(reducer, &region, given, members)
+                .map(|(_, contribution)| contribution)
+                .sum(),
+            None => {
+                let Range { start, end } = self.within(&region);
+                let counted = members.iter().map(|&m| self.sums[m[0] as usize].signum() * reducer.sums(m).0);
+                given * (self.signs[end] - self.signs[start]) - counted.sum::<f64>()
             }
-        });
-        let score: f64 = parts.iter().map(|(_, d)| d).sum();
-        (score > 0.0).then_some(Candidate { leaf: index, score, parts })
-    };
-    let mut candidates: Vec<_> = leaves.par_iter().enumerate().filter_map(candidate).collect();
-    candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut wanted = Vec::new();
-    for candidate in candidates {
-        if candidate.parts.iter().any(|&(row, d)| d > 0.0 && excess[row as usize] > 0.0) {
-            wanted.push(candidate.leaf);
-            for (row, d) in candidate.parts {
-                excess[row as usize] -= d.max(0.0);
+        };
+        let whole = || reducer.is_whole(&region, &reducer.members(&region));
+        (score > 0.0 && !whole()).then(|| Candidate { region, given, members: members.to_vec(), score })
+    }
+
+    /// For each cell of a region that deviates, how much more of a leaf's light than was counted it gets, in the direction of its
+    /// deviation.
+    fn contributions<S: Flux>(
+        &self,
+        reducer: &Reducer<'_, S>,
+        region: &Region,
+        given: f64,
+        members: &[Member],
+    ) -> impl Iterator<Item = (usize, f64)> {
+        let mut members = members.iter().peekable();
+        self.rows[self.within(region)].iter().map(move |&row| {
+            let counted = members.next_if(|m| m[0] == row).map_or(0.0, |&m| reducer.sums(m).0);
+            let more = given - counted - reducer.modelled_sum(row, region);
+            (row as usize, more * self.sums[row as usize].signum())
+        })
+    }
+
+    /// Leaves to split, best first: as many as would remove all excess if splitting removed what they contribute.
+    fn leaves_to_split<S: Flux>(
+        &self,
+        reducer: &Reducer<'_, S>,
+        mut candidates: Vec<Candidate>,
+    ) -> Vec<Region> {
+        candidates.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let mut excess = self.excess.clone();
+        let mut n_left = self.rows.len();
+        let mut wanted = Vec::new();
+        for Candidate { region, given, members, .. } in candidates {
+            if n_left == 0 {
+                break;
+            }
+            let positive = || {
+                self.contributions(reducer, &region, given, &members)
+                    .filter(|&(_, contribution)| contribution > 0.0)
+            };
+            if positive().any(|(row, _)| excess[row] > 0.0) {
+                wanted.push(region);
+                for (row, contribution) in positive() {
+                    n_left -= usize::from(excess[row] > 0.0 && excess[row] <= contribution);
+                    excess[row] -= contribution;
+                }
             }
         }
+        wanted
     }
-    wanted
 }

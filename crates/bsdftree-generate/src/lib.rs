@@ -27,6 +27,8 @@ pub mod layout;
 pub mod tally;
 pub mod bands;
 pub mod options;
+mod fold;
+mod entrance;
 mod diffuse;
 mod reciprocity;
 mod pyramid;

@@ -11,6 +11,8 @@
 //! one count is added: V + (V/f)², and in an empty node the mean weight of its parent's paths.
 //! Leaves are plain means of their paths, so flux over a leaf is kept exactly and estimates are unbiased given the tree.
 
+use std::ops::Range;
+
 use bsdftree::color::uv_from_xyz;
 use bsdftree::tree::{Rank, Slot, Tree, TreeBuilder, TreeError};
 use rayon::prelude::*;
@@ -35,7 +37,12 @@ pub(crate) struct Trees {
 
 /// The tree while it is decided.
 pub(crate) enum Kept {
-    Leaf { value: f64, xyz: [f32; 3] },
+    Leaf {
+        value: f64,
+        xyz: [f32; 3],
+        /// What it would be as a node, if that was remembered.
+        split: Option<Box<[Kept]>>,
+    },
     Node(Vec<Kept>),
 }
 
@@ -82,10 +89,45 @@ impl Region {
     pub fn size(&self) -> f64 {
         f64::from(self.n_rows) * self.n_exit as f64
     }
+
+    /// Incident cells.
+    pub fn rows(&self) -> Range<usize> {
+        self.first_row as usize..(self.first_row + self.n_rows) as usize
+    }
+
+    /// Whether another one is a part of it.
+    pub fn contains(&self, part: &Region) -> bool {
+        let (rows, part_rows) = (self.rows(), part.rows());
+        rows.start <= part_rows.start
+            && part_rows.end <= rows.end
+            && self.first_exit <= part.first_exit
+            && part.first_exit + part.n_exit <= self.first_exit + self.n_exit
+            && self.n_rows > 0
+    }
 }
 
 /// The part of a row that lies in a region: row, first and last+1 of its entries.
 pub(crate) type Member = [u32; 3];
+
+/// The children of a region in the order of a tree's children, with what lies in each.
+pub(crate) struct Parts {
+    regions: Vec<Region>,
+    members: Vec<Member>,
+    /// Where the members of each child end.
+    ends: Vec<usize>,
+}
+
+impl Parts {
+    pub fn iter(&self) -> impl Iterator<Item = (Region, &[Member])> {
+        (0..self.regions.len()).map(|k| self.get(k))
+    }
+
+    /// Child k.
+    pub fn get(&self, k: usize) -> (Region, &[Member]) {
+        let begin = k.checked_sub(1).map_or(0, |before| self.ends[before]);
+        (self.regions[k], &self.members[begin..self.ends[k]])
+    }
+}
 
 /// Counted paths of one component, to be made a tree.
 pub(crate) struct Reducer<'a, S> {
@@ -109,6 +151,8 @@ pub(crate) struct Reducer<'a, S> {
     pub model: Option<&'a Pyramid>,
     /// Whether the tree is of what the rows have more than the model, instead of their sum.
     pub residual: bool,
+    /// Whether leaves know what they would be as nodes. What is remembered takes more memory than what was counted.
+    pub remembers: bool,
 }
 
 /// What is known of a region.
@@ -251,7 +295,7 @@ impl<S: Flux> Reducer<'_, S> {
                 total = [0, 1, 2].map(|k| total[k] + add[k]);
             }
         }
-        Kept::Leaf { value, xyz: total.map(|c| c as f32) }
+        Kept::Leaf { value, xyz: total.map(|c| c as f32), split: None }
     }
 
     /// Decides a region: leaf or node.
@@ -279,7 +323,13 @@ impl<S: Flux> Reducer<'_, S> {
         let split = self.split(region, members);
         let merged = (split.squares - size * value * value).max(0.0) + LAMBDA * size * variance + self.price;
         if self.pruned && merged <= split.cost {
-            Estimate { kept: self.leaf(value, &region, members), cost: merged, squares: split.squares }
+            let mut kept = self.leaf(value, &region, members);
+            if let (Kept::Leaf { split: remembered, .. }, Kept::Node(children), true) =
+                (&mut kept, split.kept, self.remembers)
+            {
+                *remembered = Some(children.into_boxed_slice());
+            }
+            Estimate { kept, cost: merged, squares: split.squares }
         } else {
             split
         }
@@ -288,13 +338,17 @@ impl<S: Flux> Reducer<'_, S> {
     /// A region as a node, whose children are decided.
     fn split(&self, region: Region, members: &[Member]) -> Estimate {
         let weight = self.weight(members);
-        let decide = |(region, members): &(Region, Vec<Member>)| self.decide(*region, members, weight);
         let children: Vec<_> = if members.is_empty() {
             self.regions(region).map(|part| self.decide(part, &[], weight)).collect()
-        } else if region.level < 2 {
-            self.parts(region, members).par_iter().map(decide).collect()
         } else {
-            self.parts(region, members).iter().map(decide).collect()
+            let parts = self.parts(region, members);
+            match region.level < 2 {
+                true => {
+                    let children = (0..self.rank.n_children()).into_par_iter().map(|k| parts.get(k));
+                    children.map(|(region, members)| self.decide(region, members, weight)).collect()
+                }
+                false => parts.iter().map(|(region, members)| self.decide(region, members, weight)).collect(),
+            }
         };
         Estimate {
             cost: children.iter().map(|c| c.cost).sum(),
@@ -303,9 +357,16 @@ impl<S: Flux> Reducer<'_, S> {
         }
     }
 
-    /// As [`Reducer::split`], the tree alone.
-    pub fn split_kept(&self, region: Region, members: &[Member]) -> Kept {
-        self.split(region, members).kept
+    /// A leaf as a node, the cheapest that it can be.
+    pub fn split_leaf(&self, leaf: &mut Kept, region: Region) {
+        let remembered = match leaf {
+            Kept::Leaf { split, .. } => split.take(),
+            Kept::Node(_) => None,
+        };
+        *leaf = match remembered {
+            Some(children) => Kept::Node(children.into_vec()),
+            None => self.split(region, &self.members(&region)).kept,
+        };
     }
 
     /// Rows of a child of a region.
@@ -327,7 +388,7 @@ impl<S: Flux> Reducer<'_, S> {
     }
 
     /// The children of a region in the order of a tree's children.
-    fn regions(&self, region: Region) -> impl Iterator<Item = Region> {
+    pub fn regions(&self, region: Region) -> impl Iterator<Item = Region> {
         let (bits, n_rows, quarter) = (self.incident_bits(), self.rows_of_part(&region), region.n_exit / 4);
         let half = self.rank == Rank::Three && region.level == 0;
         (0..4u32 << bits).map(move |k| {
@@ -342,29 +403,58 @@ impl<S: Flux> Reducer<'_, S> {
         })
     }
 
-    /// As [`Reducer::regions`], with what lies in each.
-    pub fn parts(&self, region: Region, members: &[Member]) -> Vec<(Region, Vec<Member>)> {
+    /// As [`Reducer::regions`], with what lies in each. `members` are in the order of their rows.
+    pub fn parts(&self, region: Region, members: &[Member]) -> Parts {
         let (bits, n_rows, quarter) = (self.incident_bits(), self.rows_of_part(&region), region.n_exit / 4);
-        let mut parts: Vec<_> = self.regions(region).map(|part| (part, Vec::new())).collect();
-        for &member in members {
-            let [row, from, _] = member;
-            let incident = (row - region.first_row) / n_rows;
-            let exits = self.exits(member);
-            let mut begin = 0;
-            for exit in 0..4 {
-                let border = region.first_exit + u64::from(exit + 1) * quarter;
-                let end = begin + exits[begin..].partition_point(|e| u64::from(e.cell) < border);
-                if end > begin {
-                    parts[(incident | exit << bits) as usize].1.push([
-                        row,
-                        from + begin as u32,
-                        from + end as u32,
-                    ]);
+        let mut parts = Parts {
+            regions: self.regions(region).collect(),
+            members: Vec::with_capacity(2 * members.len()),
+            ends: Vec::with_capacity(self.rank.n_children()),
+        };
+        // Where each member goes on, quarter by quarter.
+        let mut begins: Vec<u32> = members.iter().map(|[_, from, _]| *from).collect();
+        for exit in 0..4 {
+            let border = region.first_exit + (exit + 1) * quarter;
+            let mut rest = members.iter().zip(&mut begins).peekable();
+            for incident in 1..=1 << bits {
+                let row_end = region.first_row + incident * n_rows;
+                while let Some((&[row, _, to], begin)) = rest.next_if(|(member, _)| member[0] < row_end) {
+                    let exits = self.exits([row, *begin, to]);
+                    let end = *begin + exits.partition_point(|e| u64::from(e.cell) < border) as u32;
+                    if end > *begin {
+                        parts.members.push([row, *begin, end]);
+                    }
+                    *begin = end;
                 }
-                begin = end;
+                parts.ends.push(parts.members.len());
             }
         }
         parts
+    }
+
+    /// Adds, so many times, the light that a tree gives each incident cell.
+    pub fn give(&self, kept: &Kept, region: Region, times: f64, sums: &mut [f64]) {
+        match kept {
+            Kept::Leaf { value, .. } => {
+                let light = times * value * self.omega * region.n_exit as f64;
+                sums[region.rows()].iter_mut().for_each(|sum| *sum += light);
+            }
+            Kept::Node(children) => {
+                let children = children.iter().zip(self.regions(region));
+                children.for_each(|(child, part)| self.give(child, part, times, sums));
+            }
+        }
+    }
+
+    /// What lies in a region.
+    pub fn members(&self, region: &Region) -> Vec<Member> {
+        let within = |row: u32| {
+            let exits = &self.rows[row as usize];
+            let before = |cell: u64| exits.partition_point(|e| u64::from(e.cell) < cell) as u32;
+            [row, before(region.first_exit), before(region.first_exit + region.n_exit)]
+        };
+        let rows = region.first_row..region.first_row + region.n_rows;
+        rows.map(within).filter(|[_, from, to]| from < to).collect()
     }
 }
 

@@ -17,7 +17,7 @@ use crate::options::{Aperture, Options};
 /// First line of the file, but for its number.
 const TITLE: &str = "bsdftree checkpoint";
 /// Number of the form of all files of a checkpoint. To be raised with any change of that, or of what is counted, within a version.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 const DEVICE: &str = "\ndevice:\n";
 
 /// What is counted in each band.
@@ -56,6 +56,7 @@ impl Job {
             ("sampling", if options.stratified { "sobol" } else { "random" }.into()),
             ("tile", yes(options.tile)),
             ("aperture", format!("{:?} to {:?} m", aperture.min, aperture.max)),
+            ("periods", format!("{:?}", device.periods())),
             ("seed", options.seed.to_string()),
         ];
         Job { entries, device: described(device) }

@@ -8,9 +8,9 @@ use std::ops::Range;
 use bsdftree::Side;
 use glam::DVec3;
 
-use super::entrance::Entrance;
 use super::sites::Sites;
 use super::walk::{Lobes, Meeting, walk};
+use crate::entrance::Entrance;
 use crate::layout::Layout;
 use crate::path::{Outcome, Scene};
 use crate::random::{N_REPLICATES, Start, Stratified};

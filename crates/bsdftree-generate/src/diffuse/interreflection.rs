@@ -65,13 +65,13 @@ impl<S: Spectrum> Exchange<S> {
 /// Light sent out again at each site because of unit light sent out from `site`.
 fn row<S: Spectrum>(walker: &Walker<S>, site: usize, walks: u64, replicate: usize) -> Vec<S> {
     let sites = walker.sites;
-    let (points, medium) = (sites.points(site), sites.medium(site));
+    let medium = sites.medium(site);
     let mut sums = vec![S::BLACK; sites.len()];
     let (seed, stream) = (walker.seed ^ EXCHANGE, site as u64);
     let mut stratified = Stratified::new(seed, stream);
     for k in 0..walks {
         let mut start = stratified.start(seed, stream, k * N_REPLICATES as u64 + replicate as u64);
-        let point = &points[(start.origin[0] * points.len() as f64) as usize];
+        let point = sites.point(site, start.origin[0]);
         let direction = lambertian_direction(point.normal, start.incident);
         let ray = Ray { origin: point.position, direction, from: Some(point.part) };
         walk(walker.scene, walker.tile, Lobes::Specular, (ray, medium), &mut start.random, |meeting| {

@@ -27,7 +27,6 @@
 //! patches is Galerkin radiosity's (H. Zatz, SIGGRAPH 1993). Deviation: directions at both ends, nothing in between is drawn.
 
 mod deposit;
-mod entrance;
 mod interreflection;
 mod model;
 mod partition;
@@ -47,7 +46,6 @@ pub(crate) use reuse::{Reuse, mean_of};
 #[cfg(test)]
 use {
     deposit::Row,
-    entrance::Entrance,
     model::{MAX_LOG2, model_layout},
     sites::{Fineness, Sites},
 };

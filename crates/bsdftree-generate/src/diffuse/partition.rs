@@ -94,9 +94,9 @@ impl Ord for Candidate {
 
 impl Partition {
     /// Cuts into at most `budget` patches, or until no cut matters by more than `tolerance` of the whole. Sorts points and
-    /// events by patch. `points` are keys with the number of the point.
+    /// events by patch.
     pub fn grow(
-        points: &mut [(Key, u32)],
+        points: &mut [Key],
         events: &mut [Event],
         n_origins: usize,
         budget: usize,
@@ -106,7 +106,7 @@ impl Partition {
         let mut nodes = vec![Node { axis: LEAF, threshold: 0.0, next: 0 }];
         let mut patches = vec![root.clone()];
         let mut heap = BinaryHeap::new();
-        let consider = |points: &[(Key, u32)], events: &[Event], patch: Patch, node: u32, expected| {
+        let consider = |points: &[Key], events: &[Event], patch: Patch, node: u32, expected| {
             let (points, events) = (&points[patch.points.clone()], &events[patch.events.clone()]);
             let (cut, size) = best_cut(points, events, n_origins, expected);
             (cut.map(|cut| Candidate { cut, size, patch, node }), size)
@@ -120,7 +120,7 @@ impl Partition {
             let Candidate { cut, size, patch, node } = candidate;
             let Cut { axis, threshold, .. } = cut;
             let p =
-                patch.points.start + partition(&mut points[patch.points.clone()], |p| p.0[axis] < threshold);
+                patch.points.start + partition(&mut points[patch.points.clone()], |p| p[axis] < threshold);
             let e = patch.events.start
                 + partition(&mut events[patch.events.clone()], |e| e.key[axis] < threshold);
             let halves = [

@@ -8,9 +8,9 @@ use bsdftree_device::Device;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::entrance::Entrance;
 use super::partition::{Event, Key, N_AXES};
 use super::walk::{Lobes, Meeting, walk};
+use crate::entrance::Entrance;
 use crate::layout::Layout;
 use crate::path::Scene;
 use crate::random::Stratified;
@@ -39,12 +39,9 @@ impl Frame {
         let [low, high] = device.bounds().unwrap_or_default();
         let inverse = |extent: f64| if extent > 0.0 { 1.0 / extent } else { 0.0 };
         let mut period = [[0.0; 2]; 2];
-        if let (true, Some([from, to])) = (folded, device.tile) {
-            // What repeats but once in the box is told by the position.
-            for axis in (0..2).filter(|&a| (to - from)[a] > 0.0 && (high - low)[a] > 2.0 * (to - from)[a]) {
-                period[0][axis] = from[axis];
-                period[1][axis] = inverse((to - from)[axis]);
-            }
+        if folded {
+            let known = device.periods();
+            period = [[low.x, low.y], known.map(|period| inverse(period.unwrap_or(0.0)))];
         }
         Frame { low, inv_extent: (high - low).map(inverse), period }
     }
@@ -83,7 +80,7 @@ pub(super) fn media(device: &Device) -> Vec<Option<DVec3>> {
 /// Ordinary paths that tell where light meets surfaces.
 pub(super) struct Pilot<'a, S> {
     pub scene: &'a Scene<S>,
-    pub entrance: Entrance,
+    pub entrance: &'a Entrance,
     pub tile: Option<&'a Tile>,
     pub frame: Frame,
     pub media: Vec<Option<DVec3>>,

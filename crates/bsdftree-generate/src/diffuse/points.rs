@@ -29,7 +29,7 @@ pub(crate) struct Points {
 
 /// What is sampled at once.
 enum Element<'a> {
-    Triangle([DVec3; 3]),
+    Triangle { corner: DVec3, edges: [DVec3; 2], normal: DVec3 },
     Round(&'a Shape),
 }
 
@@ -50,7 +50,7 @@ impl Points {
             let surface = surface as u32;
             let mut add = |triangle, part| {
                 let pieces = period.map_or_else(|| vec![triangle], |b| clipped(triangle, b));
-                elements.extend(pieces.into_iter().map(|t| (Element::Triangle(t), part)));
+                elements.extend(pieces.into_iter().map(|t| (Element::triangle(t), part)));
             };
             if let Shape::Polygon(_) = s.shape {
                 s.shape.triangulate().into_iter().for_each(|triangle| add(triangle, surface));
@@ -68,19 +68,23 @@ impl Points {
         }
         let mut tries = count;
         loop {
-            let points: Vec<Point> = (0..tries)
-                .filter_map(|k| {
-                    let place = (k as f64 + 0.5) / tries as f64 * total;
-                    let (element, part) = elements.get(ends.partition_point(|&end| end <= place))?;
-                    let uv = [0.754_877_666_246_693, 0.569_840_290_998_053].map(|a| (k as f64 * a).fract());
-                    let (position, normal) = element.at(uv);
-                    let inside = match (element, period) {
-                        (Element::Round(_), Some(period)) => contains(period, position),
-                        _ => true,
-                    };
-                    inside.then_some(Point { position, normal, part: *part })
-                })
-                .collect();
+            let mut points = Vec::with_capacity(tries);
+            let mut index = 0;
+            for k in 0..tries {
+                let place = (k as f64 + 0.5) / tries as f64 * total;
+                while index < ends.len() && ends[index] <= place {
+                    index += 1;
+                }
+                let Some((element, part)) = elements.get(index) else { break };
+                let (position, normal) = element.at(spread_over_square(k));
+                let inside = match (element, period) {
+                    (Element::Round(_), Some(period)) => contains(period, position),
+                    _ => true,
+                };
+                if inside {
+                    points.push(Point { position, normal, part: *part });
+                }
+            }
             if points.len() * 2 >= count || tries >= count * MAX_TRIES || points.is_empty() {
                 return Points { area_each: total / tries as f64, points };
             }
@@ -89,42 +93,51 @@ impl Points {
     }
 }
 
+/// Point k of the additive sequence of the plastic number, by fractions of 2⁻³².
+fn spread_over_square(k: usize) -> [f64; 2] {
+    const STEPS: [u32; 2] = [0xc13f_a9a9, 0x91e1_0da6];
+    STEPS.map(|step| f64::from(step.wrapping_mul(k as u32)) * (0.5 / f64::from(1u32 << 31)))
+}
+
 impl Element<'_> {
+    fn triangle([a, b, c]: [DVec3; 3]) -> Self {
+        let edges = [b - a, c - a];
+        Element::Triangle { corner: a, edges, normal: edges[0].cross(edges[1]).normalize_or_zero() }
+    }
+
     fn area(&self) -> f64 {
         match self {
-            Element::Triangle([a, b, c]) => 0.5 * (b - a).cross(c - a).length(),
+            Element::Triangle { edges: [a, b], .. } => 0.5 * a.cross(*b).length(),
             Element::Round(shape) => shape.area(),
         }
     }
 
     /// The point that a point of the unit square stands for, evenly by area, and the normal there.
     fn at(&self, [u, v]: [f64; 2]) -> (DVec3, DVec3) {
-        let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
-        match self {
-            Element::Triangle([a, b, c]) => {
+        let shape = match self {
+            Element::Triangle { corner, edges: [a, b], normal } => {
                 let r = u.sqrt();
-                let position = a + (b - a) * (r * (1.0 - v)) + (c - a) * (r * v);
-                (position, (b - a).cross(c - a).normalize_or_zero())
+                return (*corner + *a * (r * (1.0 - v)) + *b * (r * v), *normal);
             }
-            Element::Round(Shape::Sphere { center, radius, inward }) => {
+            Element::Round(shape) => *shape,
+        };
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * v);
+        match shape {
+            Shape::Sphere { center, radius, inward } => {
                 let z = 1.0 - 2.0 * u;
                 let r = (1.0 - z * z).max(0.0).sqrt();
                 let outward = DVec3::new(r * cos, r * sin, z);
                 (center + outward * *radius, if *inward { -outward } else { outward })
             }
-            Element::Round(Shape::Cylinder { ends, radius, inward }) => {
-                taper(*ends, [*radius; 2], *inward, u, [cos, sin])
-            }
-            Element::Round(Shape::Cone { ends, radii, inward }) => {
-                taper(*ends, *radii, *inward, u, [cos, sin])
-            }
-            Element::Round(Shape::Ring { center, normal, radii: [inner, outer] }) => {
+            Shape::Cylinder { ends, radius, inward } => taper(*ends, [*radius; 2], *inward, u, [cos, sin]),
+            Shape::Cone { ends, radii, inward } => taper(*ends, *radii, *inward, u, [cos, sin]),
+            Shape::Ring { center, normal, radii: [inner, outer] } => {
                 let r = (inner * inner + (outer * outer - inner * inner) * u).sqrt();
                 let normal = normal.normalize();
                 let (a, b) = normal.any_orthonormal_pair();
                 (center + (a * cos + b * sin) * r, normal)
             }
-            Element::Round(Shape::Polygon(_) | Shape::Mesh(_)) => unreachable!("these are triangles here"),
+            Shape::Polygon(_) | Shape::Mesh(_) => unreachable!("these are triangles here"),
         }
     }
 }

@@ -10,11 +10,10 @@ use bsdftree::Side;
 use bsdftree_device::Device;
 
 use super::deposit::{Deposits, Row as Laid, Walker};
-use super::entrance::Entrance;
 use super::model::{MAX_LOG2, Model, SideRows, model_layout};
 use super::sites::{Fineness, Sites};
+use crate::entrance::Entrance;
 use crate::layout::Layout;
-use crate::options::Aperture;
 use crate::options::Options;
 use crate::path::Scene;
 use crate::random::N_REPLICATES;
@@ -51,13 +50,13 @@ impl Reuse {
         scene: &Scene<S>,
         device: &Device,
         options: &Options,
-        aperture: &Aperture,
+        entrance: &Entrance,
         tile: Option<&Tile>,
     ) -> Option<Reuse> {
         let Layout::Tree { .. } = options.layout else { return None };
         let layout = model_layout(&options.layout).filter(|_| scene.is_plain())?;
-        let sites = Sites::build(scene, device, aperture, tile, Fineness::default(), options.seed)?;
-        Some(Reuse { sites, entrance: Entrance::new(device, aperture, tile), layout })
+        let sites = Sites::build(scene, device, entrance, tile, Fineness::default(), options.seed)?;
+        Some(Reuse { sites, entrance: entrance.clone(), layout })
     }
 
     /// Numbers of the full paths that belong to a round of walks.

@@ -4,17 +4,18 @@
 //! lies in. Patches come of a pilot of ordinary paths from a few directions, so that they are fine where light
 //! differs from place to place, interreflections included.
 
+use std::ops::Range;
+
 use bsdftree_device::Device;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::entrance::Entrance;
 #[cfg(test)]
 use super::partition::N_AXES;
 use super::partition::{Key, Partition};
 use super::pilot::{Frame, N_ORIGINS, Pilot, media};
 use super::points::{Point, Points};
-use crate::options::Aperture;
+use crate::entrance::Entrance;
 use crate::path::Scene;
 use crate::scatter::Spectrum;
 use crate::tile::Tile;
@@ -35,9 +36,11 @@ const TOLERANCE: f64 = 1e-4;
 pub(crate) struct Sites {
     partition: Partition,
     frame: Frame,
-    /// Points of all sites, site by site.
+    /// Places that measure area.
     points: Vec<Point>,
-    /// Where the points of each site end.
+    /// Site by site its points: twice the number of the place, and one more for its back.
+    order: Vec<u32>,
+    /// Where those of each site end.
     ends: Vec<usize>,
     area_each: f64,
     media: Vec<Option<DVec3>>,
@@ -63,56 +66,65 @@ impl Sites {
     pub fn build<S: Spectrum>(
         scene: &Scene<S>,
         device: &Device,
-        aperture: &Aperture,
+        entrance: &Entrance,
         tile: Option<&Tile>,
         fineness: Fineness,
         seed: u64,
     ) -> Option<Sites> {
         let (bvh, materials) = scene.parts();
-        let box_ = tile.map(|_| [aperture.min, aperture.max].map(DVec3::from_array));
+        let box_ = tile.map(|_| entrance.corners());
         let is_diffuse = |m: u32| materials[m as usize].is_diffuse();
         let spread = Points::spread(device, bvh, box_, fineness.n_points, is_diffuse);
         if spread.points.is_empty() {
             return None;
         }
+        let Points { points, area_each } = spread;
         let frame = Frame::new(device, tile.is_none());
-        let n = spread.points.len();
-        let mut keys: Vec<(Key, u32)> = (0..2 * n)
-            .into_par_iter()
-            .map(|k| {
-                let p = &spread.points[k % n];
-                (frame.key(p.position, if k < n { p.normal } else { -p.normal }), k as u32)
-            })
+        let mut keys: Vec<Key> = points
+            .iter()
+            .flat_map(|p| [p.normal, -p.normal].map(|normal| frame.key(p.position, normal)))
             .collect();
         let media = media(device);
-        let pilot =
-            Pilot { scene, entrance: Entrance::new(device, aperture, tile), tile, frame, media, seed };
+        let pilot = Pilot { scene, entrance, tile, frame, media, seed };
         let mut events = pilot.run(fineness.n_pilot);
         let (partition, patches) =
             Partition::grow(&mut keys, &mut events, N_ORIGINS, fineness.max_sites, fineness.tolerance);
-        let points = keys.iter().map(|&(_, k)| {
-            let point = spread.points[k as usize % n];
-            Point { normal: if (k as usize) < n { point.normal } else { -point.normal }, ..point }
-        });
         let media = patches.iter().map(|patch| {
             let first = events[patch.events.clone()].first();
             first.and_then(|event| pilot.media[usize::from(event.medium)])
         });
-        // Patches lie in the order of their points only within the tree.
+        let media = media.collect();
         let mut sites = Sites {
-            points: Vec::with_capacity(2 * n),
-            ends: Vec::with_capacity(patches.len()),
-            area_each: spread.area_each,
-            media: media.collect(),
+            points,
+            order: Vec::new(),
+            ends: vec![0; patches.len()],
+            area_each,
+            media,
             partition,
             frame: pilot.frame,
         };
-        let points: Vec<Point> = points.collect();
-        for patch in &patches {
-            sites.points.extend_from_slice(&points[patch.points.clone()]);
-            sites.ends.push(sites.points.len());
-        }
+        sites.sort();
         Some(sites)
+    }
+
+    /// Finds the site of each point, on its front and on its back.
+    fn sort(&mut self) {
+        let find = |p: &Point| [p.normal, -p.normal].map(|normal| self.find(p.position, normal) as u32);
+        let found: Vec<[u32; 2]> = self.points.par_iter().map(find).collect();
+        let mut next = vec![0u32; self.ends.len()];
+        found.iter().flatten().for_each(|&site| next[site as usize] += 1);
+        let mut end = 0;
+        for (next, site_end) in next.iter_mut().zip(&mut self.ends) {
+            let begin = end;
+            end += *next as usize;
+            (*next, *site_end) = (begin as u32, end);
+        }
+        self.order = vec![0; end];
+        for (k, &site) in found.iter().flatten().enumerate() {
+            let place = &mut next[site as usize];
+            self.order[*place as usize] = k as u32;
+            *place += 1;
+        }
     }
 
     #[cfg(test)]
@@ -130,14 +142,21 @@ impl Sites {
         self.partition.find(&self.frame.key(position, normal))
     }
 
-    /// Points of equal shares of the site's area, with normals that point to its side.
-    pub fn points(&self, site: usize) -> &[Point] {
-        &self.points[site.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[site]]
+    fn range(&self, site: usize) -> Range<usize> {
+        site.checked_sub(1).map_or(0, |before| self.ends[before])..self.ends[site]
+    }
+
+    /// The point of the site that lies where `share` of its area lie before it, with a normal that points to its side.
+    pub fn point(&self, site: usize, share: f64) -> Point {
+        let order = &self.order[self.range(site)];
+        let k = order[(share * order.len() as f64) as usize];
+        let point = self.points[k as usize / 2];
+        if k.is_multiple_of(2) { point } else { Point { normal: -point.normal, ..point } }
     }
 
     /// \[m²\].
     pub fn area(&self, site: usize) -> f64 {
-        self.points(site).len() as f64 * self.area_each
+        self.range(site).len() as f64 * self.area_each
     }
 
     /// Transmittance \[1/m\] of the medium that the site sends light into.

@@ -67,7 +67,7 @@ impl Bins {
 
 /// Where a patch is best cut, if it can be, and what it scatters.
 pub(super) fn best_cut(
-    points: &[(Key, u32)],
+    points: &[Key],
     events: &[Event],
     n_origins: usize,
     expected: [f64; N_AXES],
@@ -80,9 +80,11 @@ pub(super) fn best_cut(
         if edges.is_empty() && axis > 0 {
             continue;
         }
-        let bin = |key: &Key| edges.iter().map(|&edge| usize::from(key[axis] >= edge)).sum::<usize>();
+        let mut filled = [f32::INFINITY; N_BINS];
+        filled[..edges.len()].copy_from_slice(&edges);
+        let bin = |key: &Key| filled.iter().map(|&edge| u32::from(key[axis] >= edge)).sum::<u32>() as usize;
         let mut counts = vec![0.0f64; edges.len() + 1];
-        points.iter().for_each(|(key, _)| counts[bin(key)] += 1.0);
+        points.iter().for_each(|key| counts[bin(key)] += 1.0);
         let mut bins = Bins { sums: vec![0.0; (edges.len() + 1) * 4 * n_origins], n_origins };
         events.iter().for_each(|event| bins.add(bin(&event.key), event));
         let areas: Vec<f64> = counts.iter().map(|c| c.max(0.5)).collect();
@@ -110,8 +112,8 @@ fn every<T>(items: &[T]) -> impl Iterator<Item = &T> {
 }
 
 /// Values of a coordinate between which about as many points and events lie; never one that a point has.
-fn edges(points: &[(Key, u32)], events: &[Event], axis: usize) -> Vec<f32> {
-    let mut values: Vec<f32> = every(points).map(|(key, _)| key[axis]).collect();
+fn edges(points: &[Key], events: &[Event], axis: usize) -> Vec<f32> {
+    let mut values: Vec<f32> = every(points).map(|key| key[axis]).collect();
     let share = values.len();
     values.extend(every(events).map(|e| e.key[axis]).take(share));
     values.sort_unstable_by(f32::total_cmp);
@@ -135,6 +137,24 @@ fn edges(points: &[(Key, u32)], events: &[Event], axis: usize) -> Vec<f32> {
     edges
 }
 
+fn add(sums: &mut [f32], row: &[f32]) {
+    sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += x);
+}
+
+/// Σ f(x, y), in eight sums side by side.
+fn sum_of(x: &[f32], y: &[f32], f: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut sums = [0.0; 8];
+    let (x, y) = (x.chunks_exact(8), y.chunks_exact(8));
+    let rest = x.remainder().iter().zip(y.remainder());
+    let rest: f64 = rest.map(|(&x, &y)| f(f64::from(x), f64::from(y))).sum();
+    for (x, y) in x.zip(y) {
+        for k in 0..8 {
+            sums[k] += f(f64::from(x[k]), f64::from(y[k]));
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
 /// How light differs between bins.
 struct Spread {
     /// Square of the mean density times area.
@@ -149,39 +169,32 @@ struct Spread {
 
 impl Spread {
     fn new(bins: &Bins, kind: usize, areas: &[f64]) -> Spread {
-        let n = bins.n_origins;
-        let mut totals = [vec![0.0f64; n], vec![0.0f64; n]];
+        let rows = |bin: usize| [0, 1].map(|half| bins.row(bin, kind, half));
+        let mut totals = [(); 2].map(|()| vec![0.0f32; bins.n_origins]);
         let area: f64 = areas.iter().sum();
         let (mut between, mut variance, mut uncounted) = (0.0, 0.0, 0.0);
         for (bin, &a) in areas.iter().enumerate() {
-            let rows = [0, 1].map(|half| bins.row(bin, kind, half));
-            let (mut product, mut difference) = (0.0, 0.0);
-            for j in 0..n {
-                let [x, y] = rows.map(|row| f64::from(row[j]));
-                product += x * y;
-                difference += (x - y).powi(4);
-                totals[0][j] += x;
-                totals[1][j] += y;
-            }
+            let [x, y] = rows(bin);
+            let product = sum_of(x, y, |x, y| x * y);
             between += product / a;
             // A count of points is uncertain by its root.
             uncounted += product.max(0.0) / (a * a);
             // Of normal x and y, the mean of (x − y)⁴ is twelve times their squared variance.
-            variance += difference / (12.0 * a * a);
+            variance += sum_of(x, y, |x, y| ((x - y) * (x - y)) * ((x - y) * (x - y))) / (12.0 * a * a);
+            totals.iter_mut().zip([x, y]).for_each(|(total, row)| add(total, row));
         }
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        let square = dot(&totals[0], &totals[1]) / area;
-        let mut left = [vec![0.0f64; n], vec![0.0f64; n]];
+        let square = sum_of(&totals[0], &totals[1], |x, y| x * y) / area;
+        let mut left = [(); 2].map(|()| vec![0.0f32; bins.n_origins]);
         let mut left_area = 0.0;
         let mut cuts = Vec::with_capacity(areas.len());
-        for bin in 0..areas.len() - 1 {
-            for half in 0..2 {
-                let row = bins.row(bin, kind, half);
-                left[half].iter_mut().zip(row).for_each(|(l, &x)| *l += f64::from(x));
-            }
-            left_area += areas[bin];
-            let right: f64 = (0..n).map(|j| (totals[0][j] - left[0][j]) * (totals[1][j] - left[1][j])).sum();
-            cuts.push(dot(&left[0], &left[1]) / left_area + right / (area - left_area) - square);
+        for (bin, &a) in areas.iter().enumerate().take(areas.len() - 1) {
+            left.iter_mut().zip(rows(bin)).for_each(|(left, row)| add(left, row));
+            left_area += a;
+            let [x, y] = [0, 1].map(|half| sum_of(&left[half], &totals[1 - half], |x, y| x * y));
+            let within = sum_of(&left[0], &left[1], |x, y| x * y);
+            // (X − x)(Y − y) over what is right of the edge.
+            let right = square * area - x - y + within;
+            cuts.push(within / left_area + right / (area - left_area) - square);
         }
         Spread { square, deviation: between - square, error: variance.sqrt() + uncounted / 3.0, cuts }
     }

@@ -98,7 +98,7 @@ fn another_version_or_format_is_refused() {
     let version = env!("CARGO_PKG_VERSION");
     for (from, to, expected) in [
         (format!("version: {version}"), "version: 0.0.7".into(), "here, but 0.0.7 there"),
-        ("checkpoint 2".into(), String::from("checkpoint 3"), "format 2 here, but 3 there"),
+        ("checkpoint 3".into(), String::from("checkpoint 4"), "format 3 here, but 4 there"),
         ("bsdftree".into(), "another".into(), "is no checkpoint"),
         ("device:".into(), "dev".into(), "is no checkpoint"),
     ] {

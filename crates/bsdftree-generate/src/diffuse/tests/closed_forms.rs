@@ -101,7 +101,7 @@ fn patches_of_grooves_are_strips() {
 fn devices_without_diffuse_surfaces_and_rank_3_have_no_model() {
     let setup = Setup::<f64>::new(Device::from_spec("prism").unwrap(), true, tree(3));
     let fineness = Fineness::default();
-    let sites = Sites::build(&setup.scene, &setup.device, &setup.aperture, setup.tile.as_ref(), fineness, 7);
+    let sites = Sites::build(&setup.scene, &setup.device, &setup.entrance, setup.tile.as_ref(), fineness, 7);
     assert!(sites.is_none());
     assert!(model_layout(&Layout::Tree { rank: Rank::Three, log2_res: 5 }).is_none());
     let finest = model_layout(&tree(8)).unwrap();

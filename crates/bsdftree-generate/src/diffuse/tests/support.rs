@@ -8,6 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::*;
+use crate::entrance::Entrance;
 use crate::layout::Layout;
 use crate::options::Aperture;
 use crate::path::{Outcome, Scene};
@@ -24,7 +25,6 @@ pub fn rad(text: &str) -> Device {
 pub struct Setup<S> {
     pub device: Device,
     pub scene: Scene<S>,
-    pub aperture: Aperture,
     pub tile: Option<Tile>,
     pub entrance: Entrance,
     pub layout: Layout,
@@ -46,11 +46,11 @@ impl<S: Spectrum> Setup<S> {
         let tile = tiled.then(|| Tile::new(aperture));
         let scene = Scene::new(&device).unwrap();
         let entrance = Entrance::new(&device, &aperture, tile.as_ref());
-        Setup { scene, aperture, tile, entrance, layout, device }
+        Setup { scene, tile, entrance, layout, device }
     }
 
     pub fn sites(&self, fineness: Fineness) -> Sites {
-        Sites::build(&self.scene, &self.device, &self.aperture, self.tile.as_ref(), fineness, 7).unwrap()
+        Sites::build(&self.scene, &self.device, &self.entrance, self.tile.as_ref(), fineness, 7).unwrap()
     }
 
     fn walker<'a>(&'a self, sites: &'a Sites, seed: u64) -> Walker<'a, S> {

@@ -9,6 +9,7 @@ use bsdftree_device::Device;
 use glam::DVec3;
 
 use crate::bvh::Ray;
+use crate::fold::Fold;
 use crate::options::Aperture;
 use crate::tile::Tile;
 
@@ -22,12 +23,19 @@ pub(crate) struct Entrance {
     max: DVec3,
     /// The box of the device, or `None` if all light comes through the aperture.
     bounds: Option<[DVec3; 2]>,
+    fold: Fold,
 }
 
 impl Entrance {
     pub fn new(device: &Device, aperture: &Aperture, tile: Option<&Tile>) -> Entrance {
         let [min, max] = [aperture.min, aperture.max].map(DVec3::from_array);
-        Entrance { min, max, bounds: if tile.is_some() { None } else { device.bounds() } }
+        let bounds = if tile.is_some() { None } else { device.bounds() };
+        Entrance { min, max, bounds, fold: Fold::new(device, aperture) }
+    }
+
+    /// Corners of the aperture's box.
+    pub fn corners(&self) -> [DVec3; 2] {
+        [self.min, self.max]
     }
 
     /// Area of the aperture \[m²\].
@@ -45,7 +53,9 @@ impl Entrance {
     }
 
     /// The ray through the point of the aperture that a point of the unit square stands for.
-    pub fn through_aperture(&self, side: Side, direction: DVec3, [s, t]: [f64; 2]) -> Ray {
+    #[inline]
+    pub fn through_aperture(&self, side: Side, direction: DVec3, point: [f64; 2]) -> Ray {
+        let [s, t] = self.fold.place(point);
         let [x, y] = [self.min.x + s * (self.max.x - self.min.x), self.min.y + t * (self.max.y - self.min.y)];
         let place = DVec3::new(x, y, self.z(side));
         Ray { origin: place - direction * self.margin(), direction, from: None }
