@@ -17,6 +17,7 @@ from bsdftree._combine import merge, stack
 from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
+from bsdftree._energyplus import energyplus, save_energyplus
 from bsdftree._generate import generate
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
 from bsdftree._peaks import Peak, PeakFamily
@@ -42,11 +43,13 @@ __all__ = [
     "__version__",
     "device_families",
     "direction_from_polar",
+    "energyplus",
     "generate",
     "load",
     "merge",
     "polar_from_direction",
     "read_radiance_matrix",
+    "save_energyplus",
     "stack",
     "write_radiance_matrix",
 ]

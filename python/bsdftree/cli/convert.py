@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import click
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from bsdftree import Bsdf, Matrix, Tree, write_radiance_matrix
 from bsdftree._bsdf import COMPONENTS
 from bsdftree.cli._common import read, repair_option, with_input_errors
+from bsdftree.cli._energyplus_output import energyplus_options, is_energyplus, write_energyplus
 
 
 @click.command()
@@ -68,6 +69,7 @@ from bsdftree.cli._common import read, repair_option, with_input_errors
     show_default=True,
     help="With --raw: what the values are. For .mtx: what to write. Front is the outside, as in WINDOW.",
 )
+@energyplus_options
 @repair_option
 @with_input_errors
 def convert(
@@ -87,12 +89,14 @@ def convert(
     raw: str | None,
     component: str,
     repair: bool,
+    **construction: Any,
 ) -> None:
     """Write the BSDF in IN to OUT, in the format that the ending of OUT says.
 
     .bsdft is the binary twin of the XML: the same to the last bit, smaller, and open at once whatever its size.
     Packed, it is smaller still, and read as a whole. .mtx is a matrix for dctimestep and rmtxop, a row for each exitant
-    patch: value times projected solid angle of the incident one. Any other ending is WINDOW 6 XML.
+    patch: value times projected solid angle of the incident one. .idf and .epJSON are a window construction for
+    EnergyPlus, to be merged with a model. Any other ending is WINDOW 6 XML.
 
     With --klems or --tree it becomes one of the other kind: means by projected solid angle, from the areas that
     cells and patches share, so totals are kept. What that changes is said on standard error, as relative error (L1).
@@ -108,10 +112,12 @@ def convert(
       bsdftree convert klems.xml tree.xml --tree --rank 4 --log2-res 5 --tolerance 5
       bsdftree convert blinds.xml turned.xml --rotate 90
       bsdftree convert blinds.xml T.mtx --klems full
+      bsdftree convert window.xml window.idf --name window
       bsdftree convert --raw float --rank 4 --component reflection_back grid.flt tree.xml
     """
     if klems and tree:
         raise click.UsageError("--klems and --tree; expected one of them")
+    for_energyplus = is_energyplus(target, construction)
     bsdf = _from_raw(source, raw, rank, component) if raw else read(source, repair)
     if flip:
         bsdf = bsdf.flipped()
@@ -131,6 +137,8 @@ def convert(
         _say_errors(bsdf, made)
     if target.lower().endswith(".mtx"):
         _write_matrix(made, component, target)
+    elif for_energyplus:
+        write_energyplus(made, target, construction)
     else:
         made.save(target, packed=packed, level=level)
 
