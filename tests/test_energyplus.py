@@ -128,7 +128,9 @@ def test_missing_solar_says_what_to_do(data, tmp_path):
     failed = CliRunner().invoke(main, command)
     assert failed.exit_code == 1 and not out.exists()
     assert "no band Solar; there are: Visible" in failed.output and "--solar-from-visible" in failed.output
-    assert CliRunner().invoke(main, [*command, "--solar-from-visible"]).exit_code == 0
+    done = CliRunner().invoke(main, [*command, "--solar-from-visible"])
+    assert done.exit_code == 0
+    assert re.search(r"Visible reflection_back: relative L1 error \d+\.\d %", done.output), done.output
     assert out.read_text().startswith("Construction:ComplexFenestrationState,\n  t,\n")
 
 

@@ -133,6 +133,9 @@ def convert(
         made = bsdf.to_klems(klems, subdivide=subdivide)
     elif tree:
         made = bsdf.to_tree(rank, log2_res, tolerance=tolerance / 100)
+    elif for_energyplus:
+        # What it writes anyway: here the errors of that are said.
+        made = bsdf.to_klems("full")
     if made is not bsdf:
         _say_errors(bsdf, made)
     if target.lower().endswith(".mtx"):
