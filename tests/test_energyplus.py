@@ -122,6 +122,21 @@ def test_layer_is_the_files_unless_told(data):
     }
 
 
+def test_flipped_layer_has_its_emissivities_flipped(data):
+    said = {"EmissivityFront": "0.1", "EmissivityBack": "0.9", "TIR": "0.2"}
+    b = bsdftree.load(data / MERMET).with_header(properties=said)
+    layer = bsdftree.energyplus(b.flipped(), "w")["WindowMaterial:Glazing"]["w_layer_1"]
+    assert layer["front_side_infrared_hemispherical_emissivity"] == 0.9
+    assert layer["back_side_infrared_hemispherical_emissivity"] == 0.1
+    assert list(b.flipped().properties.items()) == [
+        ("EmissivityFront", "0.9"),
+        ("EmissivityBack", "0.1"),
+        ("TIR", "0.2"),
+    ]
+    assert b.with_header(properties={"EmissivityBack": "0.9"}).flipped().properties == {"EmissivityFront": "0.9"}
+    assert (b.flipped().name, b.flipped().thickness) == (b.name, b.thickness)
+
+
 def test_missing_solar_says_what_to_do(data, tmp_path):
     out = tmp_path / "t.idf"
     command = ["convert", str(data / "pyradiance/t3.xml"), str(out), "--name", "t", "--repair"]

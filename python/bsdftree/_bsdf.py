@@ -696,8 +696,18 @@ class Bsdf:
         return Bsdf(_core.mirrored(self._core, axis))
 
     def flipped(self) -> Bsdf:
-        """Return the BSDF of the device turned round about the vertical, its front to the back. Exact."""
-        return Bsdf(_core.flipped(self._core))
+        """Return the BSDF of the device turned round about the vertical, its front to the back. Exact.
+
+        What the properties say of the front is then said of the back: ``EmissivityFront``, ``EmissivityBack``.
+        """
+        turned = Bsdf(_core.flipped(self._core))
+        other = {"EmissivityFront": "EmissivityBack", "EmissivityBack": "EmissivityFront"}
+        swapped = {other.get(key, key): value for key, value in self.properties.items()}
+        if swapped == self.properties:
+            return turned
+        # Where both are, in the order they had: the schema prescribes one.
+        kept = {key: swapped[key] for key in self.properties if key in swapped}
+        return turned.with_header(properties=swapped if len(kept) < len(swapped) else kept)
 
     def select(
         self,
