@@ -38,7 +38,7 @@ def main() -> None:
         if "talk" in arguments.only:
             talk.run(arguments.quick, work)
         if "equal-error" in arguments.only:
-            measured = equal_error.measurements(arguments.quick, cache, work)
+            measured = equal_error.measurements(arguments.quick, cache, work, arguments.device)
             print("\n## Equal error")
             comparisons.print_tables(measured)
         if "resolution" in arguments.only:
@@ -53,6 +53,9 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="three minutes instead of forty: coarse, few samples")
     parser.add_argument("--only", nargs="+", choices=SECTIONS, default=SECTIONS, help="some of the sections")
+    parser.add_argument(
+        "--device", nargs="+", metavar="NAME", default=(), help="some of the devices of equal-error, e.g. blinds"
+    )
     parser.add_argument("--picture", type=Path, help=f"where to draw the resolution sweep; {PICTURE} by default")
     cache = os.environ.get("BSDFTREE_BENCH_CACHE")
     parser.add_argument(

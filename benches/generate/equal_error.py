@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -165,6 +166,9 @@ def _culled(device: Path, plan: Plan, truth: Reference, work: Path) -> list[Cull
     return found
 
 
-def measurements(quick: bool, cache: Path, work: Path) -> list[Measured]:
-    """Of every device."""
-    return [measure(plan, cache, work) for plan in plans(quick)]
+def measurements(quick: bool, cache: Path, work: Path, names: Sequence[str] = ()) -> list[Measured]:
+    """Of every device, or of those that are named."""
+    all_plans = plans(quick)
+    if unknown := set(names) - {plan.scene.name for plan in all_plans}:
+        raise SystemExit(f"no device {sorted(unknown)}; there are {sorted({p.scene.name for p in all_plans})}")
+    return [measure(plan, cache, work) for plan in all_plans if not names or plan.scene.name in names]
