@@ -44,11 +44,15 @@ impl Fold {
     /// The point of the aperture for a point of even numbers.
     #[inline]
     pub fn place(&self, point: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|axis| match self.axes[axis] {
-            Some(periods) => periods.place(point[axis]),
-            None => point[axis],
-        })
+        // Not by `map`, which is not inlined.
+        let ([a, b], [u, v]) = (self.axes, point);
+        [place(a, u), place(b, v)]
     }
+}
+
+#[inline]
+fn place(periods: Option<Periods>, u: f64) -> f64 {
+    periods.map_or(u, |periods| periods.place(u))
 }
 
 impl Periods {
@@ -58,9 +62,9 @@ impl Periods {
             return u;
         }
         let leading = u / self.share * LEADING;
-        let part = leading.floor();
+        let part = f64::from(leading as u32);
         let rest = (leading - part) * self.count;
-        let period = rest.floor();
+        let period = f64::from(rest as u32);
         let within = (part + rest - period) / LEADING;
         ((period + within) / self.count * self.share).min(self.share)
     }
