@@ -57,10 +57,11 @@ fn add_to_totals<S: Flux>(
             return;
         }
         let modelled = reducer.modelled(&region).value;
+        let shares = [*value, *error].map(|v| Share::of(v, modelled));
         let area = reducer.omega * region.n_exit as f64;
         for row in region.rows() {
             let mean = reducer.modelled_sum(row as u32, &region) / area;
-            let [more, noise] = [*value, *error].map(|v| Share::of(v, modelled).here(mean) * area);
+            let [more, noise] = shares.map(|share| share.here(mean) * area);
             sums[0][row] += more;
             sums[1][row] += noise * noise;
         }

@@ -23,6 +23,8 @@ pub(crate) struct Entrance {
     max: DVec3,
     /// The box of the device, or `None` if all light comes through the aperture.
     bounds: Option<[DVec3; 2]>,
+    /// With which the device repeats along x and y \[m\].
+    periods: [Option<f64>; 2],
     fold: Fold,
 }
 
@@ -30,7 +32,13 @@ impl Entrance {
     pub fn new(device: &Device, aperture: &Aperture, tile: Option<&Tile>) -> Entrance {
         let [min, max] = [aperture.min, aperture.max].map(DVec3::from_array);
         let bounds = if tile.is_some() { None } else { device.bounds() };
-        Entrance { min, max, bounds, fold: Fold::new(device, aperture) }
+        let periods = device.periods();
+        Entrance { min, max, bounds, periods, fold: Fold::new(periods, aperture) }
+    }
+
+    /// See [`Device::periods`].
+    pub fn periods(&self) -> [Option<f64>; 2] {
+        self.periods
     }
 
     /// Corners of the aperture's box.

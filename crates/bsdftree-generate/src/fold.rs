@@ -1,13 +1,11 @@
 //! Even spreads over a device that repeats within its aperture.
 //!
-//! In: a device and its aperture. Out: a map of the unit square onto itself that keeps areas. Where n periods lie side by side, the place within
+//! In: the periods of a device and its aperture. Out: a map of the unit square onto itself that keeps areas. Where n periods lie side by side, the place within
 //! a period matters and which period it is hardly does. So the leading 16 bits of a coordinate, in which stratified points are
 //! even, tell the place within a period, and the others the period, and then the place more exactly. What is left
 //! of the aperture beside whole periods is taken as it is.
 //! Invariant: a uniform point becomes a uniform point (periods up to one part in 1000, by the number of bits), so that no estimate is biased
 //! whether or not the device has these periods.
-
-use bsdftree_device::Device;
 
 use crate::options::Aperture;
 
@@ -15,7 +13,7 @@ use crate::options::Aperture;
 const LEADING: f64 = 65_536.0;
 
 /// Where the paths of a cell begin, by even points of the unit square.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(crate) struct Fold {
     axes: [Option<Periods>; 2],
 }
@@ -28,8 +26,8 @@ struct Periods {
 }
 
 impl Fold {
-    pub fn new(device: &Device, aperture: &Aperture) -> Fold {
-        let periods = device.periods();
+    /// `periods` are those of the device \[m\].
+    pub fn new(periods: [Option<f64>; 2], aperture: &Aperture) -> Fold {
         Fold {
             axes: [0, 1].map(|axis| {
                 let extent = aperture.max[axis] - aperture.min[axis];

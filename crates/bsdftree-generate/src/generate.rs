@@ -235,7 +235,7 @@ impl<'a, D: Detector> Generator<'a, D> {
             false => None,
         };
         let counted = Counted { spectral: D::SPECTRAL, n_channels: D::Flux::CHANNELS };
-        let job = |n_sites| Job::new(device, options, &aperture, counted, n_sites);
+        let job = |n_sites| Job::new(device, options, &entrance, counted, n_sites);
         let checkpoint = match &options.checkpoint {
             Some(directory) => Some(Checkpoint::open(directory, &job(reuse.as_ref().map(Reuse::n_sites)))?),
             None => None,

@@ -11,8 +11,9 @@ use bsdftree_device::material::Antimatter;
 use bsdftree_device::{Device, Material, Shape};
 
 use crate::bands::Band;
+use crate::entrance::Entrance;
 use crate::layout::Layout;
-use crate::options::{Aperture, Options};
+use crate::options::Options;
 
 /// First line of the file, but for its number.
 const TITLE: &str = "bsdftree checkpoint";
@@ -40,10 +41,11 @@ impl Job {
     pub fn new(
         device: &Device,
         options: &Options,
-        aperture: &Aperture,
+        entrance: &Entrance,
         Counted { spectral, n_channels }: Counted,
         n_sites: Option<usize>,
     ) -> Job {
+        let [low, high] = entrance.corners();
         let yes = |yes: bool| if yes { "yes" } else { "no" }.to_string();
         let entries = vec![
             ("version", env!("CARGO_PKG_VERSION").into()),
@@ -55,8 +57,8 @@ impl Job {
             ("reuse", n_sites.map_or("no".into(), |n| format!("yes, {n} patches"))),
             ("sampling", if options.stratified { "sobol" } else { "random" }.into()),
             ("tile", yes(options.tile)),
-            ("aperture", format!("{:?} to {:?} m", aperture.min, aperture.max)),
-            ("periods", format!("{:?}", device.periods())),
+            ("aperture", format!("{:?} to {:?} m", low.to_array(), high.to_array())),
+            ("periods", format!("{:?}", entrance.periods())),
             ("seed", options.seed.to_string()),
         ];
         Job { entries, device: described(device) }

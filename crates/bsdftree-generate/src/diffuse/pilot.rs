@@ -35,14 +35,11 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub fn new(device: &Device, folded: bool) -> Frame {
+    /// `periods` are those within which equal places can share a patch.
+    pub fn new(device: &Device, periods: [Option<f64>; 2]) -> Frame {
         let [low, high] = device.bounds().unwrap_or_default();
         let inverse = |extent: f64| if extent > 0.0 { 1.0 / extent } else { 0.0 };
-        let mut period = [[0.0; 2]; 2];
-        if folded {
-            let known = device.periods();
-            period = [[low.x, low.y], known.map(|period| inverse(period.unwrap_or(0.0)))];
-        }
+        let period = [[low.x, low.y], periods.map(|period| inverse(period.unwrap_or(0.0)))];
         Frame { low, inv_extent: (high - low).map(inverse), period }
     }
 

@@ -79,7 +79,8 @@ impl Sites {
             return None;
         }
         let Points { points, area_each } = spread;
-        let frame = Frame::new(device, tile.is_none());
+        let periods = if tile.is_none() { entrance.periods() } else { [None; 2] };
+        let frame = Frame::new(device, periods);
         let mut keys: Vec<Key> = points
             .iter()
             .flat_map(|p| [p.normal, -p.normal].map(|normal| frame.key(p.position, normal)))
