@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::files::{self, Files};
 use super::problem::Problem;
 use crate::cal::Context;
-use crate::error::Place;
+use crate::error::{DeviceError, Place};
 use crate::field::{DataArray, File, Font, Picture, SpectralPicture, digest};
 use crate::material::BsdfFile;
 
@@ -38,15 +38,18 @@ pub(super) struct Functions {
 /// What was read, and what the user should know of it.
 pub(super) type Told<T> = (T, Vec<String>);
 
+/// What was read from each file, or why it was not.
+type Read<T> = HashMap<PathBuf, Result<T, Rc<Problem>>>;
+
 /// What has been read.
 #[derive(Default)]
 pub(super) struct Library {
-    functions: HashMap<PathBuf, Result<Rc<Functions>, Rc<Problem>>>,
-    data: HashMap<PathBuf, Result<Arc<DataArray>, Rc<Problem>>>,
-    pictures: HashMap<PathBuf, Result<Arc<Picture>, Rc<Problem>>>,
-    spectral_pictures: HashMap<PathBuf, Result<Arc<SpectralPicture>, Rc<Problem>>>,
-    fonts: HashMap<PathBuf, Result<Arc<Font>, Rc<Problem>>>,
-    bsdfs: HashMap<PathBuf, Result<Rc<Told<BsdfFile>>, Rc<Problem>>>,
+    functions: Read<Rc<Functions>>,
+    data: Read<Arc<DataArray>>,
+    pictures: Read<Arc<Picture>>,
+    spectral_pictures: Read<Arc<SpectralPicture>>,
+    fonts: Read<Arc<Font>>,
+    bsdfs: Read<Rc<Told<BsdfFile>>>,
 }
 
 impl Library {
@@ -62,7 +65,9 @@ impl Library {
         }
         let path = find(name, standing)?;
         let read = |path: &Path| -> Result<_, Rc<Problem>> {
-            let (text, file) = text(path, LARGEST[0], standing)?;
+            let (bytes, file) = bytes(path, LARGEST[0], standing)?;
+            // Comments may be in any encoding.
+            let text = String::from_utf8_lossy(&bytes);
             let mut context = Context::rayinit();
             context.enter_file(name);
             context.load(&text, &file.path).map_err(|e| problem(standing, &e))?;
@@ -73,22 +78,13 @@ impl Library {
 
     /// A data file.
     pub(super) fn data(&mut self, name: &str, standing: &Standing) -> Result<Arc<DataArray>, Rc<Problem>> {
-        let path = find(name, standing)?;
-        let read = |path: &Path| {
-            let (text, file) = text(path, LARGEST[1], standing)?;
-            DataArray::parse(&text, file).map(Arc::new).map_err(|e| problem(standing, &e))
-        };
-        self.data.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+        let parse = |bytes: &[u8], file| DataArray::parse(&String::from_utf8_lossy(bytes), file);
+        known(&mut self.data, name, LARGEST[1], standing, parse)
     }
 
     /// A picture.
     pub(super) fn picture(&mut self, name: &str, standing: &Standing) -> Result<Arc<Picture>, Rc<Problem>> {
-        let path = find(name, standing)?;
-        let read = |path: &Path| {
-            let (bytes, file) = bytes(path, LARGEST[2], standing)?;
-            Picture::parse(&bytes, file).map(Arc::new).map_err(|e| problem(standing, &e))
-        };
-        self.pictures.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+        known(&mut self.pictures, name, LARGEST[2], standing, Picture::parse)
     }
 
     /// A picture of spectra.
@@ -97,22 +93,13 @@ impl Library {
         name: &str,
         standing: &Standing,
     ) -> Result<Arc<SpectralPicture>, Rc<Problem>> {
-        let path = find(name, standing)?;
-        let read = |path: &Path| {
-            let (bytes, file) = bytes(path, LARGEST[2], standing)?;
-            SpectralPicture::parse(&bytes, file).map(Arc::new).map_err(|e| problem(standing, &e))
-        };
-        self.spectral_pictures.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+        known(&mut self.spectral_pictures, name, LARGEST[2], standing, SpectralPicture::parse)
     }
 
     /// A font.
     pub(super) fn font(&mut self, name: &str, standing: &Standing) -> Result<Arc<Font>, Rc<Problem>> {
-        let path = find(name, standing)?;
-        let read = |path: &Path| {
-            let (text, file) = text(path, LARGEST[4], standing)?;
-            Font::parse(&text, file).map(Arc::new).map_err(|e| problem(standing, &e))
-        };
-        self.fonts.entry(path.clone()).or_insert_with(|| read(&path)).clone()
+        let parse = |bytes: &[u8], file| Font::parse(&String::from_utf8_lossy(bytes), file);
+        known(&mut self.fonts, name, LARGEST[4], standing, parse)
     }
 
     /// The bytes of a text file.
@@ -142,12 +129,20 @@ fn find(name: &str, standing: &Standing) -> Result<PathBuf, Rc<Problem>> {
     found.map_err(|e| Rc::new(Problem::file(standing.at, e)))
 }
 
-fn text(path: &Path, largest: u64, standing: &Standing) -> Result<(String, File), Rc<Problem>> {
-    let (bytes, file) = bytes(path, largest, standing)?;
-    // Comments may be in any encoding.
-    let text =
-        String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
-    Ok((text, file))
+/// What is in a file, which is read when it is first named.
+fn known<T>(
+    files: &mut Read<Arc<T>>,
+    name: &str,
+    largest: u64,
+    standing: &Standing,
+    parse: impl FnOnce(&[u8], File) -> Result<T, DeviceError>,
+) -> Result<Arc<T>, Rc<Problem>> {
+    let path = find(name, standing)?;
+    let read = |path: &Path| {
+        let (bytes, file) = bytes(path, largest, standing)?;
+        parse(&bytes, file).map(Arc::new).map_err(|e| problem(standing, &e))
+    };
+    files.entry(path.clone()).or_insert_with(|| read(&path)).clone()
 }
 
 fn bytes(path: &Path, largest: u64, standing: &Standing) -> Result<(Vec<u8>, File), Rc<Problem>> {
