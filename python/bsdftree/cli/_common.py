@@ -80,6 +80,8 @@ def table(*columns: str, title: str | None = None) -> Table:
     return result
 
 
+BASES = click.Choice(["full", "half", "half73", "quarter"])
+PERCENT = click.FloatRange(0, 100, max_open=True)
 repair_option = click.option(
     "--repair", is_flag=True, help="Mend what can be mended in a faulty file, and say what was mended."
 )

@@ -10,7 +10,7 @@ import numpy as np
 
 from bsdftree import Bsdf, Matrix, Tree, write_radiance_matrix
 from bsdftree._bsdf import COMPONENTS
-from bsdftree.cli._common import read, repair_option, with_input_errors
+from bsdftree.cli._common import BASES, PERCENT, read, repair_option, with_input_errors
 from bsdftree.cli._energyplus_output import energyplus_options, is_energyplus, write_energyplus
 
 
@@ -25,9 +25,7 @@ from bsdftree.cli._energyplus_output import energyplus_options, is_energyplus, w
     show_default=True,
     help="With --packed: from 1, fast, to 22, small.",
 )
-@click.option(
-    "--klems", type=click.Choice(["full", "half", "half73", "quarter"]), help="To matrices over this angle basis."
-)
+@click.option("--klems", type=BASES, help="To matrices over this angle basis.")
 @click.option(
     "--subdivide",
     type=click.IntRange(1, 16),
@@ -46,7 +44,7 @@ from bsdftree.cli._energyplus_output import energyplus_options, is_energyplus, w
 )
 @click.option(
     "--tolerance",
-    type=click.FloatRange(0, 100, max_open=True),
+    type=PERCENT,
     default=0.0,
     show_default=True,
     metavar="PERCENT",

@@ -6,7 +6,7 @@ import click
 
 from bsdftree import Bsdf
 from bsdftree._bsdf import COMPONENTS
-from bsdftree.cli._common import with_input_errors
+from bsdftree.cli._common import PERCENT, with_input_errors
 
 
 @click.command("from-function")
@@ -20,7 +20,7 @@ from bsdftree.cli._common import with_input_errors
 )
 @click.option(
     "--tolerance",
-    type=click.FloatRange(0, 100, max_open=True),
+    type=PERCENT,
     default=2.0,
     show_default=True,
     metavar="PERCENT",

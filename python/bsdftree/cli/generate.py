@@ -15,7 +15,7 @@ import click
 import bsdftree
 from bsdftree import Device, GenerationReport, Resumed, device_families
 from bsdftree._device import format_of
-from bsdftree.cli._common import json_option, print_json, stderr, stdout, table, tell, with_input_errors
+from bsdftree.cli._common import BASES, PERCENT, json_option, print_json, stderr, stdout, table, tell, with_input_errors
 from bsdftree.cli._progress import PathsBar
 from bsdftree.cli.info import summarize
 
@@ -56,9 +56,7 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 @click.option(
     "--log2-res", type=int, default=5, show_default=True, metavar="N", help="Up to 2^N cells per axis of the tree."
 )
-@click.option(
-    "--klems", type=click.Choice(["full", "half", "half73", "quarter"]), help="A Klems matrix instead of a tree."
-)
+@click.option("--klems", type=BASES, help="A Klems matrix instead of a tree.")
 @click.option(
     "--subdivide",
     type=click.Choice(["1", "2", "4"]),
@@ -198,7 +196,7 @@ def _list_devices(context: click.Context, _parameter: click.Parameter, value: bo
 )
 @click.option(
     "--cull-percent",
-    type=click.FloatRange(0, 100, max_open=True),
+    type=PERCENT,
     default=90.0,
     show_default=True,
     metavar="P",

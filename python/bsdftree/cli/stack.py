@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 import bsdftree
-from bsdftree.cli._common import read, repair_option, with_input_errors
+from bsdftree.cli._common import BASES, PERCENT, read, repair_option, with_input_errors
 
 
 @click.command()
@@ -13,7 +13,7 @@ from bsdftree.cli._common import read, repair_option, with_input_errors
 @click.option("-o", "--output", required=True, type=click.Path(), help="File to write.")
 @click.option(
     "--klems",
-    type=click.Choice(["full", "half", "half73", "quarter"]),
+    type=BASES,
     help="Stack over the patches of this basis; by default that of the first matrix.",
 )
 @click.option(
@@ -23,7 +23,7 @@ from bsdftree.cli._common import read, repair_option, with_input_errors
 )
 @click.option(
     "--tolerance",
-    type=click.FloatRange(0, 100, max_open=True),
+    type=PERCENT,
     default=0.0,
     show_default=True,
     metavar="PERCENT",
