@@ -10,9 +10,13 @@ use crate::square::disk_from_square;
 
 const N_POINTS: u32 = 1 << 16;
 
-/// φ⁻¹ to φ⁻⁴ with φ⁵ = φ + 1.
-const STEPS: [f64; 4] =
-    [0.856_674_883_854_502_9, 0.733_891_856_627_125_7, 0.628_706_721_037_808_8, 0.538_597_257_223_612_9];
+/// Point k of the sequence, in \[0, 1)⁴.
+pub(super) fn even_point(k: u32) -> [f64; 4] {
+    /// φ⁻¹ to φ⁻⁴ with φ⁵ = φ + 1.
+    const STEPS: [f64; 4] =
+        [0.856_674_883_854_502_9, 0.733_891_856_627_125_7, 0.628_706_721_037_808_8, 0.538_597_257_223_612_9];
+    STEPS.map(|step| (0.5 + f64::from(k) * step).fract())
+}
 
 /// Relative L1 distance of `other` from `reference`; 0 between black functions, infinite from a black one.
 ///
@@ -24,7 +28,7 @@ const STEPS: [f64; 4] =
 pub fn relative_l1(reference: &Scattering, other: &Scattering) -> f64 {
     let (mut difference, mut light) = (0.0, 0.0);
     for k in 0..N_POINTS {
-        let [x, y, which, u] = STEPS.map(|step| (0.5 + f64::from(k) * step).fract());
+        let [x, y, which, u] = even_point(k);
         let incident = Side::Front.direction_from_disk(disk_from_square([x, y]));
         let functions = [reference, other];
         let lobes = functions.map(|function| function.lobe(incident, false));

@@ -14,7 +14,7 @@ use super::{TreeOptions, xyz};
 use crate::bsdf::{Band, Bsdf, Component, Part};
 use crate::direction::Direction;
 use crate::square::disk_from_square;
-use crate::tree::{Rank, Tree};
+use crate::tree::{Rank, Tree, child_cell};
 
 /// Level that is always reached.
 const BASE: u32 = 3;
@@ -246,7 +246,7 @@ impl<'a, E> Refinement<'a, E> {
                                 Some(at) => below[at][channel],
                                 None => {
                                     let value = of_cell(k)[child * channels + channel];
-                                    grower.leaf(value, level + 1, child_corner(cell.at, child)[0])
+                                    grower.leaf(value, level + 1, child_cell(cell.at, child)[0])
                                 }
                             })
                             .collect();
@@ -259,7 +259,7 @@ impl<'a, E> Refinement<'a, E> {
                     Fate::Leaf if is_unread(cell) => grower.unread(),
                     Fate::Known => {
                         let values = of_cell(k).iter().skip(channel).step_by(channels).enumerate();
-                        let leaf = |(child, &v)| grower.leaf(v, level + 1, child_corner(cell.at, child)[0]);
+                        let leaf = |(child, &v)| grower.leaf(v, level + 1, child_cell(cell.at, child)[0]);
                         let children: Vec<_> = values.map(leaf).collect();
                         grower.join(&children)?
                     }
@@ -300,7 +300,7 @@ impl<'a, E> Refinement<'a, E> {
 
     /// A child, of the level given, of a cell.
     fn child(&self, level: u32, parent: &Cell, child: usize) -> Cell {
-        let at = child_corner(parent.at, child);
+        let at = child_cell(parent.at, child);
         Cell { at, found: self.scout.within(parent.found, level, at) }
     }
 
@@ -355,17 +355,12 @@ enum Fate {
     Split,
 }
 
-/// Lower corner of a child of a cell.
-fn child_corner(at: [u32; 4], child: usize) -> [u32; 4] {
-    std::array::from_fn(|i| at[i] << 1 | (child as u32 >> i & 1))
-}
-
 /// The middle of a child of a cell, or, `scattered`, a place in the child that hangs on nothing else.
 fn point(level: u32, cell: [u32; 4], child: usize, scattered: bool) -> [f64; 4] {
     let scale = 0.5f64.powi(level as i32 + 1);
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    let corner = child_cell(cell, child);
     std::array::from_fn(|i| {
-        let c = u64::from(cell[i] << 1 | (child as u32 >> i & 1));
         let offset = if scattered {
             // SplitMix64 of all coordinates (G. Steele et al., OOPSLA 2014).
             for &c in &cell {
@@ -375,7 +370,7 @@ fn point(level: u32, cell: [u32; 4], child: usize, scattered: bool) -> [f64; 4] 
         } else {
             0.5
         };
-        (c as f64 + offset) * scale
+        (f64::from(corner[i]) + offset) * scale
     })
 }
 

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use super::grow::{Branch, Grower, squared_radii};
 use super::overlap::Overlap;
 use crate::klems::{Basis, MAX_PATCHES, Matrix, Ring};
-use crate::tree::{Rank, Tree, TreeError};
+use crate::tree::{Rank, Tree, TreeError, child_cell};
 
 /// Bins of relative azimuth: all borders of patches of the known bases and their subdivisions are borders or middles of bins.
 const N_BINS: u32 = 960;
@@ -211,7 +211,7 @@ impl Growth<'_> {
         }
         let mut children = [self.grower.unread(); 8];
         for (k, child) in children.iter_mut().enumerate() {
-            *child = self.grow(level + 1, std::array::from_fn(|i| cell[i] << 1 | (k as u32 >> i & 1)))?;
+            *child = self.grow(level + 1, child_cell(cell, k))?;
         }
         self.grower.join(&children)
     }

@@ -5,6 +5,7 @@
 //! coordinates equal to incident ones) and back where light came from (opposite ones), four places for each finest incident
 //! cell, and more around them where they are bright.
 
+use super::distance::even_point;
 use crate::tree::Rank;
 
 /// Places of the sequence.
@@ -13,17 +14,13 @@ const N_EVEN: u32 = 1 << 17;
 /// Most ridge places per incident axis, as a power of two.
 const MAX_RIDGE_LOG2: u32 = 7;
 
-/// φ⁻¹ to φ⁻⁴ with φ⁵ = φ + 1.
-const STEPS: [f64; 4] =
-    [0.856_674_883_854_502_9, 0.733_891_856_627_125_7, 0.628_706_721_037_808_8, 0.538_597_257_223_612_9];
-
 /// A place: coordinates in \[0, 1), as many as the rank has dimensions.
 pub(super) type Place = [f64; 4];
 
 /// Places everywhere.
 pub(super) fn even_places(rank: Rank) -> Vec<Place> {
     let place = |k: u32| {
-        let place = STEPS.map(|step| (0.5 + f64::from(k) * step).fract());
+        let place = even_point(k);
         match rank {
             Rank::Four => place,
             Rank::Three => [0.5 * place[0], place[1], place[2], 0.0],

@@ -10,7 +10,7 @@ use super::isotropic::Isotropic;
 use super::overlap::Overlap;
 use crate::bsdf::Scattering;
 use crate::klems::Matrix;
-use crate::tree::{Content, Rank, Slot, Tree, TreeError};
+use crate::tree::{Content, Rank, Slot, Tree, TreeError, child_cell};
 
 /// A function as a tree of at most 2^log2_res cells per axis.
 pub(super) fn tree(
@@ -74,7 +74,7 @@ impl Growth<'_> {
         }
         let mut children = [self.grower.unread(); 16];
         for (k, child) in children.iter_mut().enumerate() {
-            *child = self.grow(level + 1, std::array::from_fn(|i| cell[i] << 1 | (k as u32 >> i & 1)))?;
+            *child = self.grow(level + 1, child_cell(cell, k))?;
         }
         self.grower.join(&children)
     }

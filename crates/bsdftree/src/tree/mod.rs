@@ -21,6 +21,7 @@ pub use coordinates::Position;
 pub use lobe::TreeLobe;
 pub(crate) use slice::area as leaf_area;
 pub use walk::Leaf;
+pub(crate) use walk::child_cell;
 
 use crate::direction::Direction;
 use cache::{SliceCache, SliceRef};

@@ -14,6 +14,11 @@ pub struct Leaf {
     pub value: f32,
 }
 
+/// Lower corner of child k of a cell, in units of the child's edge.
+pub(crate) fn child_cell<const N: usize>(cell: [u32; N], k: usize) -> [u32; N] {
+    std::array::from_fn(|i| cell[i] << 1 | (k as u32 >> i & 1))
+}
+
 /// Iterates over leaves in branch order.
 pub(super) struct Leaves<'a> {
     arena: &'a Arena,
@@ -30,8 +35,7 @@ impl Iterator for Leaves<'_> {
                 Content::Leaf(value) => return Some(Leaf { cell, level, value }),
                 Content::Node(node) => {
                     for (k, &child) in self.arena.children(node).iter().enumerate().rev() {
-                        let cell = std::array::from_fn(|i| cell[i] << 1 | (k as u32 >> i & 1));
-                        self.pending.push((child, level + 1, cell));
+                        self.pending.push((child, level + 1, child_cell(cell, k)));
                     }
                 }
             }
