@@ -239,6 +239,53 @@ fn no_flipped_byte_is_read_as_another_bsdf() {
     }
 }
 
+/// A reflection of noise that is the same for light that goes back, and the same noise without that.
+fn reciprocal_and_not() -> [Bsdf; 2] {
+    let mut random = Random(17);
+    let n = 8usize;
+    let noise: Vec<f32> = (0..n.pow(4)).map(|_| 0.1 + random.unit() as f32).collect();
+    // i·n² + o, either of which is a pair of coordinates; back it is 1 − o, 1 − i.
+    let back = |k: usize| (n * n - 1 - k % (n * n)) * n * n + (n * n - 1 - k / (n * n));
+    let mean: Vec<f32> = (0..noise.len()).map(|k| 0.5 * (noise[k] + noise[back(k)])).collect();
+    [mean, noise].map(|values| {
+        let mut bsdf = Bsdf::default();
+        let tree = Tree::from_grid(Rank::Four, &values).unwrap();
+        bsdf.band_mut("Visible").insert(Part::ReflectionBack, Component::grey(tree.into()));
+        bsdf
+    })
+}
+
+#[test]
+fn what_is_reciprocal_takes_half_the_room() {
+    let [mean, noise] = reciprocal_and_not().map(|bsdf| {
+        let bytes = bytes(&bsdf, Packing::SMALL);
+        assert_same_bsdf(&bsdf, &read(&bytes).unwrap());
+        bytes
+    });
+    assert_eq!(mean[8], 2, "the version that has predicted values");
+    assert!(10 * mean.len() < 6 * noise.len(), "{} of {}", mean.len(), noise.len());
+}
+
+#[test]
+fn forged_predictions_are_refused_or_answer() {
+    let [bsdf, _] = reciprocal_and_not();
+    let whole = bytes(&bsdf, Packing::Packed(3));
+    for k in (0..whole.len()).step_by(13) {
+        let mut bytes = whole.clone();
+        bytes[k] ^= 0x55;
+        assert!(read(&bytes).is_err() || whole[k] == 0);
+        let _ = read(&forged(bytes));
+    }
+    // All forms of its values, in bytes that are raw: before their length, their checksum and two parts that are none.
+    let head = u64::from_le_bytes(*whole[24..].first_chunk().unwrap()) as usize;
+    let raw = bytes(&bsdf, Packing::Raw);
+    for form in 0..=255 {
+        let mut bytes = raw.clone();
+        bytes[64 + head - 15] = form;
+        assert_eq!(read(&forged(bytes)).is_ok(), form == 0, "form {form}");
+    }
+}
+
 #[test]
 fn forged_files_are_refused_or_answer() {
     let folder = tempfile::tempdir().unwrap();
@@ -339,8 +386,8 @@ fn other_files_and_versions_are_refused_with_what_to_do() {
     assert!(message(b"").contains("empty"));
     assert!(message(b"<?xml version=\"1.0\"?>").contains("check that this is a .bsdft file"));
     let mut newer = bytes(&small(), Packing::Raw);
-    newer[8] = 2;
-    assert!(message(&newer).contains("found version 2; expected version 1"), "{}", message(&newer));
+    newer[8] = 3;
+    assert!(message(&newer).contains("found version 3; expected version 1 or 2"), "{}", message(&newer));
     let text: Vec<u8> = bytes(&small(), Packing::Raw).into_iter().filter(|&b| b != b'\r').collect();
     assert!(message(&text).contains("transferred as text"));
     let error = file::read("/nonexistent/a.bsdft", Strictness::Strict).unwrap_err();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::bytes::{Bytes, Number, put_text};
 use super::error::BinaryError;
+use super::predict::Twin;
 use crate::bsdf::{Bsdf, Geometry, Header, LengthUnit, Part, Scattering};
 use crate::klems::{Basis, Ring};
 use crate::tree::{Content, Rank};
@@ -30,6 +31,36 @@ pub(super) enum Form {
     Packed,
     /// Compressed, the lowest bytes of all numbers first, then the next.
     Planes,
+    /// The same of what leaves differ by from predictions; since version 2.
+    Predicted(Twin),
+}
+
+impl Form {
+    /// All, at their numbers.
+    const ALL: [Form; 7] = [
+        Form::Raw,
+        Form::Packed,
+        Form::Planes,
+        Form::Predicted(Twin::None),
+        Form::Predicted(Twin::Reciprocal),
+        Form::Predicted(Twin::MirrorX),
+        Form::Predicted(Twin::MirrorY),
+    ];
+
+    /// The form of a number, if values of this kind may have it.
+    fn from_number(number: u8, kind: Kind) -> Option<Form> {
+        let form = *Form::ALL.get(usize::from(number))?;
+        let is_possible = match (form, kind) {
+            (Form::Predicted(twin), Kind::Tree { rank, .. }) => Twin::all(rank).contains(&twin),
+            (Form::Predicted(_), Kind::Matrix(_)) => false,
+            _ => true,
+        };
+        is_possible.then_some(form)
+    }
+
+    fn number(self) -> u8 {
+        Form::ALL.iter().position(|&form| form == self).expect("all forms are there") as u8
+    }
 }
 
 /// Where the values of a function are: those of one follow those of the other.
@@ -249,7 +280,7 @@ fn put_function(&(kind, stored): &Function, out: &mut Vec<u8>) {
             bases.into_iter().for_each(|basis| basis.put(out));
         }
     }
-    (stored.form as u8).put(out);
+    stored.form.number().put(out);
     stored.length.put(out);
     stored.crc.put(out);
 }
@@ -275,14 +306,10 @@ fn take_function(bytes: &mut Bytes<'_>, n_bases: usize) -> Result<Function, Bina
         let found = format!("angle basis {basis}");
         return Err(BinaryError::damaged(offset, found, format!("one of {n_bases}")));
     }
-    let form = match (bytes.offset(), u8::take(bytes)?) {
-        (_, 0) => Form::Raw,
-        (_, 1) => Form::Packed,
-        (_, 2) => Form::Planes,
-        (offset, other) => {
-            return Err(BinaryError::damaged(offset, format!("values in the form {other}"), "0, 1 or 2"));
-        }
-    };
+    let (offset, number) = (bytes.offset(), u8::take(bytes)?);
+    let form = Form::from_number(number, kind).ok_or_else(|| {
+        BinaryError::damaged(offset, format!("values in the form {number}"), "one that they may have")
+    })?;
     Ok((kind, Stored { form, length: u64::take(bytes)?, crc: u32::take(bytes)? }))
 }
 

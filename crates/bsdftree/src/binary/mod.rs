@@ -5,11 +5,12 @@
 //! whatever its size, and [`Bsdf::verify`](crate::Bsdf::verify) looks at the rest. No look-up leaves the map, whatever the file says. A *packed* file is
 //! smaller and read as a whole. Memory stays within a multiple of the file, and what a file claims is never believed.
 //!
-//! The order of steps is `bytes` (numbers and text), `head` (what the file says of itself), `values` (trees and matrices), `read`
-//! and `write`.
+//! The order of steps is `bytes` (numbers and text), `predict` (leaves by others), `head` (what the file says of itself), `values` (trees
+//! and matrices), `read` and `write`.
 
 mod bytes;
 mod error;
+mod predict;
 mod head;
 mod read;
 mod values;
@@ -22,8 +23,11 @@ pub use write::{Packing, write, write_file};
 /// The first bytes of a file: a name, and line ends that a transfer as text would change.
 const MAGIC: &[u8; 8] = b"BSDFT\r\n\x1a";
 
-/// Of the format.
-const VERSION: u32 = 1;
+/// Of the format: the newest.
+const VERSION: u32 = 2;
+
+/// Of files that have no predicted values, so that older programs read them.
+const FIRST_VERSION: u32 = 1;
 
 /// Bytes before the head.
 const PREAMBLE: usize = 64;

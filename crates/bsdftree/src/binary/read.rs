@@ -8,7 +8,7 @@ use super::bytes::{Bytes, Number};
 use super::error::BinaryError;
 use super::head::{Form, Function, Head, Kind, PARTS};
 use super::values::{Budget, Values, unpacked};
-use super::{ALIGNMENT, FREE_HEAD, MAGIC, MOST_GROWTH, PREAMBLE, VERSION};
+use super::{ALIGNMENT, FIRST_VERSION, FREE_HEAD, MAGIC, MOST_GROWTH, PREAMBLE, VERSION};
 use crate::bsdf::{Band, Bsdf, Component, Scattering};
 use crate::klems::Basis;
 use crate::shared::Map;
@@ -93,10 +93,11 @@ fn preamble(bytes: &[u8]) -> Result<(&[u8], bool, usize), BinaryError> {
     }
     let mut preamble = Bytes::new(&bytes[MAGIC.len()..], MAGIC.len());
     let version = u32::take(&mut preamble)?;
-    if version != VERSION {
+    if !(FIRST_VERSION..=VERSION).contains(&version) {
         let advice = "read it with the bsdftree that wrote it, or a newer one, and write it as XML";
         let found = format!("version {version}");
-        return Err(BinaryError::unexpected(MAGIC.len(), found, format!("version {VERSION}"), advice));
+        let expected = format!("version {FIRST_VERSION} or {VERSION}");
+        return Err(BinaryError::unexpected(MAGIC.len(), found, expected, advice));
     }
     let is_packed = u32::take(&mut preamble)?;
     let (stored, length) = (u64::take(&mut preamble)?, u64::take(&mut preamble)?);

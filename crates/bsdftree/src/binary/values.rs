@@ -1,8 +1,8 @@
 //! Trees and matrices as bytes: raw, which is how they are in memory, or packed.
 //!
 //! Raw values of a tree are its slots level by level, filled up with zeros to whole cache lines. Packed, it is a bit for each slot, 1
-//! for links, whose order says where they lead, and then its leaves. Values of a matrix are the same either way. Packed bytes
-//! are compressed with Zstandard.
+//! for links, whose order says where they lead, and then its leaves, or what they differ by from predictions. Values of a matrix are
+//! the same either way. Packed bytes are compressed with Zstandard.
 
 use std::io::{self, Read};
 use std::sync::Arc;
@@ -11,6 +11,7 @@ use bytemuck::Zeroable;
 
 use super::error::BinaryError;
 use super::head::{Form, Kind};
+use super::predict::restore;
 use super::{FREE_VALUES, MOST_GROWTH};
 use crate::klems::{Basis, Matrix};
 use crate::shared::{Map, Shared, Stretch};
@@ -25,18 +26,24 @@ pub(super) fn raw_slots(slots: &[Slot]) -> Vec<u8> {
     out
 }
 
-/// Slots as masks and leaves.
-pub(super) fn dense_slots(slots: &[Slot], rank: Rank) -> Vec<u8> {
-    let is_link = |slot: &Slot| matches!(slot.content(), Content::Node(_));
-    let mut out = Vec::with_capacity(4 * slots.len());
+/// A bit for each slot, 1 for links, and a number for each leaf.
+pub(super) fn masks_and(leaves: &[u32], slots: &[Slot], rank: Rank) -> Vec<u8> {
+    let mut out = Vec::with_capacity(slots.len() / 8 + 4 * leaves.len());
     for children in slots.chunks_exact(rank.n_children()) {
         let mask = children.iter().rev().fold(0u16, |mask, slot| mask << 1 | u16::from(is_link(slot)));
         out.extend_from_slice(&mask.to_le_bytes()[..rank.n_children() / 8]);
     }
-    let leaves: Vec<u32> =
-        slots.iter().filter(|slot| !is_link(slot)).map(|&slot| bytemuck::cast(slot)).collect();
-    out.extend_from_slice(&little_endian(&leaves));
+    out.extend_from_slice(&little_endian(leaves));
     out
+}
+
+/// The bits of all leaves.
+pub(super) fn leaves(slots: &[Slot]) -> Vec<u32> {
+    slots.iter().filter(|slot| !is_link(slot)).map(|&slot| bytemuck::cast(slot)).collect()
+}
+
+fn is_link(slot: &Slot) -> bool {
+    matches!(slot.content(), Content::Node(_))
 }
 
 /// The values of a matrix.
@@ -108,15 +115,21 @@ impl Values<'_> {
         let mut lines = vec![Line::zeroed(); (n_nodes as usize * n).div_ceil(16)];
         let slots = bytemuck::cast_slice_mut::<Line, Slot>(&mut lines);
         let (mut leaves, mut next) = (numbers(leaves), 1);
+        let is_predicted = matches!(self.form, Form::Predicted(_));
         for (mask, slots) in masks.iter().zip(slots.as_chunks_mut::<8>().0) {
             for (bit, slot) in slots.iter_mut().enumerate() {
                 *slot = if mask >> bit & 1 == 1 {
                     next += 1;
                     Slot::link((next - 1) & (u32::MAX >> 1))
+                } else if is_predicted {
+                    Slot::leaf(0.0)
                 } else {
                     bytemuck::cast(leaves.next().unwrap_or(0))
                 };
             }
+        }
+        if let Form::Predicted(twin) = self.form {
+            restore(&mut slots[..n_nodes as usize * n], rank, twin, leaves);
         }
         self.tree(rank, log2_res, n_nodes, leaf, lines.into())
     }
@@ -188,7 +201,7 @@ impl Values<'_> {
             let found = format!("packed values that are none: {error}");
             BinaryError::damaged(self.offset, found, format!("{length} bytes packed by Zstandard"))
         })?;
-        if self.form == Form::Planes {
+        if self.form != Form::Packed {
             let planes = dense.split_off(n_masks);
             let byte = |k: usize| planes[k % 4 * n + k / 4];
             dense.extend((0..4 * n).map(byte));

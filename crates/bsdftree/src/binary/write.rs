@@ -6,10 +6,11 @@ use std::path::Path;
 use super::bytes::Number;
 use super::error::{BinaryError, BinaryFault};
 use super::head::{Form, Head, Kind, PARTS, Parts, Stored, bases};
-use super::values::{Budget, dense_slots, packed, planes, raw_matrix, raw_slots};
-use super::{ALIGNMENT, FREE_HEAD, MAGIC, MOST_GROWTH, PREAMBLE, VERSION};
+use super::predict::{Twin, differences};
+use super::values::{Budget, leaves, masks_and, packed, planes, raw_matrix, raw_slots};
+use super::{ALIGNMENT, FIRST_VERSION, FREE_HEAD, MAGIC, MOST_GROWTH, PREAMBLE, VERSION};
 use crate::bsdf::{Bsdf, Scattering};
-use crate::tree::level_order;
+use crate::tree::{Rank, Slot, level_order};
 use crate::whole_file;
 
 /// How values are written.
@@ -41,7 +42,7 @@ pub fn write(bsdf: &Bsdf, packing: Packing, out: &mut impl Write) -> Result<(), 
     let unwritable =
         |problem: String| BinaryError { path: None, offset: 0, fault: BinaryFault::Unwritable(problem) };
     bsdf.verify().map_err(|damage| unwritable(damage.to_string()))?;
-    let mut sections = Sections { packing, all: Vec::new(), budget: Budget::new(0) };
+    let mut sections = Sections { packing, version: FIRST_VERSION, all: Vec::new(), budget: Budget::new(0) };
     let bases = bases(bsdf);
     let mut bands = Vec::with_capacity(bsdf.bands.len());
     for band in &bsdf.bands {
@@ -54,7 +55,7 @@ pub fn write(bsdf: &Bsdf, packing: Packing, out: &mut impl Write) -> Result<(), 
         bands.push((band.name.clone(), parts));
     }
     let head = Head { header: bsdf.header.clone(), bases, bands }.bytes().map_err(unwritable)?;
-    write_parts(&head, packing, &sections.all, out)?;
+    write_parts(&head, packing, &sections, out)?;
     Ok(())
 }
 
@@ -72,7 +73,7 @@ pub fn write_file(bsdf: &Bsdf, packing: Packing, path: impl AsRef<Path>) -> Resu
 }
 
 /// Preamble, head and values, each at its place.
-fn write_parts(head: &[u8], packing: Packing, sections: &[Vec<u8>], out: &mut impl Write) -> io::Result<()> {
+fn write_parts(head: &[u8], packing: Packing, sections: &Sections, out: &mut impl Write) -> io::Result<()> {
     let small = match packing {
         Packing::Raw => None,
         Packing::Packed(level) => Some(packed(head, i32::from(level))?),
@@ -80,10 +81,10 @@ fn write_parts(head: &[u8], packing: Packing, sections: &[Vec<u8>], out: &mut im
     // As readers have it.
     let small = small.filter(|small| head.len() <= small.len() * MOST_GROWTH + FREE_HEAD);
     let stored = small.as_deref().unwrap_or(head);
-    let parts = std::iter::once(stored).chain(sections.iter().map(Vec::as_slice));
+    let parts = std::iter::once(stored).chain(sections.all.iter().map(Vec::as_slice));
     let length = parts.clone().fold(PREAMBLE, |sum, part| sum + part.len().next_multiple_of(ALIGNMENT));
     let mut preamble = MAGIC.to_vec();
-    VERSION.put(&mut preamble);
+    sections.version.put(&mut preamble);
     u32::from(small.is_some()).put(&mut preamble);
     for length in [stored.len(), head.len(), length] {
         (length as u64).put(&mut preamble);
@@ -101,6 +102,8 @@ fn write_parts(head: &[u8], packing: Packing, sections: &[Vec<u8>], out: &mut im
 /// The values of all functions, as they are in the file.
 struct Sections {
     packing: Packing,
+    /// The one that they need.
+    version: u32,
     all: Vec<Vec<u8>>,
     /// What a reader will allow.
     budget: Budget,
@@ -126,36 +129,68 @@ impl Sections {
         let small = match (self.packing, function) {
             (Packing::Raw, _) => None,
             (Packing::Packed(level), Scattering::Tree(tree)) => {
-                // A bit for each slot, then the leaves.
-                self.smaller(&dense_slots(&slots, tree.rank()), slots.len() / 8, 4 * slots.len(), level)?
+                self.granted(packed_tree(&slots, tree.rank(), level)?, 4 * slots.len())
             }
             (Packing::Packed(level), Scattering::Matrix(_)) => {
                 let raw = raw();
-                self.smaller(&raw, 0, raw.len(), level)?
+                self.granted(Small::of(&raw, 0, level)?, raw.len())
             }
         };
         let (form, bytes) = small.unwrap_or_else(|| (Form::Raw, raw()));
+        if matches!(form, Form::Predicted(_)) {
+            self.version = VERSION;
+        }
         let stored = Stored { form, length: bytes.len() as u64, crc: crc32fast::hash(&bytes) };
         self.all.push(bytes);
         Ok((kind, stored))
     }
 
-    /// Masks and numbers packed in the better of two ways; none if neither makes them smaller than raw ones, or if they grow out of
-    /// what a reader allows, who takes it for an attack.
-    fn smaller(
-        &mut self,
-        dense: &[u8],
-        n_masks: usize,
-        raw: usize,
-        level: u8,
-    ) -> io::Result<Option<(Form, Vec<u8>)>> {
-        let level = i32::from(level);
-        let plain = packed(dense, level)?;
-        let planes = packed(&planes(dense, n_masks), level)?;
+    /// Packed values; none if they are not smaller than raw ones, or if they grow out of what a reader allows, who takes it for an attack.
+    fn granted(&mut self, small: Small, raw: usize) -> Option<(Form, Vec<u8>)> {
+        self.budget.earn(small.bytes.len());
+        let is_granted = small.bytes.len() < raw && self.budget.spend(small.length, 0).is_ok();
+        is_granted.then_some((small.form, small.bytes))
+    }
+}
+
+/// Packed values.
+struct Small {
+    form: Form,
+    bytes: Vec<u8>,
+    /// How many bytes they were.
+    length: usize,
+}
+
+impl Small {
+    /// Masks and numbers, in the better of two ways.
+    fn of(dense: &[u8], n_masks: usize, level: u8) -> io::Result<Small> {
+        let plain = packed(dense, i32::from(level))?;
+        let planes = packed(&planes(dense, n_masks), i32::from(level))?;
         let (form, bytes) =
             if planes.len() < plain.len() { (Form::Planes, planes) } else { (Form::Packed, plain) };
-        self.budget.earn(bytes.len());
-        let is_granted = bytes.len() < raw && self.budget.spend(dense.len(), 0).is_ok();
-        Ok(is_granted.then_some((form, bytes)))
+        Ok(Small { form, bytes, length: dense.len() })
     }
+}
+
+/// A tree in the best of three ways: its leaves, in bytes or in planes, or what they differ by from predictions.
+fn packed_tree(slots: &[Slot], rank: Rank, level: u8) -> io::Result<Small> {
+    // A bit for each slot.
+    let n_masks = slots.len() / 8;
+    let small = Small::of(&masks_and(&leaves(slots), slots, rank), n_masks, level)?;
+    let (twin, differences) = best_twin(slots, rank);
+    let dense = masks_and(&differences, slots, rank);
+    let bytes = packed(&planes(&dense, n_masks), i32::from(level))?;
+    match bytes.len() < small.bytes.len() {
+        true => Ok(Small { form: Form::Predicted(twin), bytes, length: dense.len() }),
+        false => Ok(small),
+    }
+}
+
+/// The twin by which leaves are expected best, and what they differ by.
+fn best_twin(slots: &[Slot], rank: Rank) -> (Twin, Vec<u32>) {
+    let n_bits = |differences: &[u32]| {
+        differences.iter().map(|d| u64::from(u32::BITS - d.leading_zeros())).sum::<u64>()
+    };
+    let all = Twin::all(rank).iter().map(|&twin| (twin, differences(slots, rank, twin)));
+    all.min_by_key(|(_, differences)| n_bits(differences)).expect("there is the twin that is none")
 }
