@@ -20,6 +20,7 @@ from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._energyplus import energyplus, save_energyplus
 from bsdftree._generate import generate
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
+from bsdftree._package import package
 from bsdftree._peaks import Peak, PeakFamily
 from bsdftree._report import BandReport, GenerationReport, Resumed
 
@@ -47,6 +48,7 @@ __all__ = [
     "generate",
     "load",
     "merge",
+    "package",
     "polar_from_direction",
     "read_radiance_matrix",
     "save_energyplus",

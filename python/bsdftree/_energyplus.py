@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bsdftree._bsdf import Bsdf, Matrix
+from bsdftree._whole_file import write_whole
 
 FULL = "LBNL/Klems Full"
 # What else an epJSON or IDF field would end at, and EnergyPlus's longest name.
@@ -170,15 +171,7 @@ def save_energyplus(path: str | os.PathLike[str], objects: Objects) -> None:
     """
     target = Path(path)
     text = idf_text(objects) if target.suffix.lower() == ".idf" else json.dumps(objects, indent=1) + "\n"
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(target)
-    except OSError as error:
-        # Name the file asked for, not the temporary one.
-        raise OSError(error.errno, error.strerror, str(target)) from None
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_whole(target, text.encode())
 
 
 def idf_text(objects: Objects) -> str:

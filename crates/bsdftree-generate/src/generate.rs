@@ -305,7 +305,8 @@ impl<'a, D: Detector> Generator<'a, D> {
         };
         let (mut bsdf, mut warnings) = (bsdf, self.warnings(device, spent.lost));
         if options.geometry {
-            warnings.extend(geometry::put(&mut bsdf.header, device, options.unit, &self.counter.aperture));
+            let aperture = &self.counter.aperture;
+            warnings.extend(geometry::put(&mut bsdf.header, device, options.unit, aperture, options.tile));
         }
         let report = Report {
             paths: self.counter.paths(samples),

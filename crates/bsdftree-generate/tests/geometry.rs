@@ -35,6 +35,17 @@ fn a_generation_puts_its_device_into_the_file() {
 }
 
 #[test]
+fn a_device_that_repeats_is_as_large_as_its_geometry() {
+    let device = Device::from_spec("blinds:depth=0.05,spacing=0.04,width=0.5,height=0.2").unwrap();
+    for (geometry, height) in [(true, 0.16), (false, 0.04)] {
+        // Slats that lie flat: the drawing ends half a spacing below the top and above the bottom.
+        let options = Options { tile: true, geometry, ..options(1) };
+        let Generated { bsdf, .. } = generate(&device, &options, &Progress::default()).unwrap();
+        assert!((bsdf.header.height.unwrap() - height).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn what_the_geometry_does_not_say_is_warned_of() {
     let device = Device::from_spec("mirror").unwrap();
     let options = Options { geometry: true, ..options(1) };

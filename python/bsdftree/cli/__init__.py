@@ -13,6 +13,7 @@ from bsdftree.cli.genbsdf import genbsdf
 from bsdftree.cli.generate import generate
 from bsdftree.cli.info import info
 from bsdftree.cli.merge import merge
+from bsdftree.cli.package import package
 from bsdftree.cli.plot import plot
 from bsdftree.cli.stack import stack
 
@@ -32,11 +33,12 @@ def main() -> None:
       bsdftree check blinds.xml                       does it obey physics
       bsdftree plot blinds.xml -o blinds.png          see it
       bsdftree convert blinds.xml blinds.bsdft        write it in another format
+      bsdftree package blinds.xml -o objects          put it into a Radiance scene
 
     Data goes to standard output or to -o, progress to standard error. Exit code 0: done; 1: the input is bad
     (or a check is violated); 2: the command line is not understood.
     """
 
 
-for _verb in (generate, genbsdf, info, check, eval_, plot, from_function, merge, stack, convert):
+for _verb in (generate, genbsdf, info, check, eval_, plot, from_function, merge, stack, convert, package):
     main.add_command(_verb)

@@ -1,0 +1,1 @@
+"""Stacks of BSDFs beside the BSDF of all layers traced together."""
