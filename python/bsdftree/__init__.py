@@ -19,6 +19,7 @@ from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._energyplus import energyplus, save_energyplus
 from bsdftree._generate import generate
+from bsdftree._lobes import save_lobes
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
 from bsdftree._package import package
 from bsdftree._peaks import Peak, PeakFamily
@@ -52,6 +53,7 @@ __all__ = [
     "polar_from_direction",
     "read_radiance_matrix",
     "save_energyplus",
+    "save_lobes",
     "stack",
     "write_radiance_matrix",
 ]

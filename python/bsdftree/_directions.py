@@ -86,3 +86,15 @@ def as_pairs(incident: ArrayLike, exitant: ArrayLike) -> tuple[Directions, Direc
         for a, s in ((i, shape_i), (o, shape_o))
     ]
     return rows[0], rows[1], shape
+
+
+def direction_from_square(x: ArrayLike, y: ArrayLike, side: float = 1.0) -> Directions:
+    """Unit vectors on one side of the surface from points of the Shirley-Chiu square [0, 1]², (..., 3)."""
+    a, b = np.broadcast_arrays(2.0 * np.asarray(x, float) - 1.0, 2.0 * np.asarray(y, float) - 1.0)
+    along_x = np.abs(a) > np.abs(b)
+    radius = np.where(along_x, a, b)
+    ratio = np.divide(np.where(along_x, b, a), radius, out=np.zeros_like(radius), where=radius != 0.0)
+    phi = np.where(along_x, 0.25 * np.pi * ratio, 0.25 * np.pi * (2.0 - ratio))
+    # A negative radius is the opposite sector.
+    disk_x, disk_y = radius * np.cos(phi), radius * np.sin(phi)
+    return np.stack([disk_x, disk_y, side * np.sqrt(np.maximum(1.0 - radius**2, 0.0))], axis=-1)

@@ -12,6 +12,7 @@ from bsdftree.cli.from_function import from_function
 from bsdftree.cli.genbsdf import genbsdf
 from bsdftree.cli.generate import generate
 from bsdftree.cli.info import info
+from bsdftree.cli.lobes import lobes
 from bsdftree.cli.merge import merge
 from bsdftree.cli.package import package
 from bsdftree.cli.plot import plot
@@ -40,5 +41,5 @@ def main() -> None:
     """
 
 
-for _verb in (generate, genbsdf, info, check, eval_, plot, from_function, merge, stack, convert, package):
+for _verb in (generate, genbsdf, info, check, eval_, plot, lobes, from_function, merge, stack, convert, package):
     main.add_command(_verb)

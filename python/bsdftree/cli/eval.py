@@ -2,25 +2,54 @@
 
 from __future__ import annotations
 
-import sys
+from typing import Any
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 
-from bsdftree import direction_from_polar
+from bsdftree import Bsdf
 from bsdftree.cli._common import json_option, print_json, read, repair_option, with_input_errors
+from bsdftree.cli._pairs import BINARY, blocks, directions, width_of
 
 
-@click.command("eval")
+def _letters(_context: click.Context, _parameter: click.Parameter, value: str) -> tuple[str, str]:
+    if len(value) not in (1, 2) or set(value) - set("afd"):
+        raise click.BadParameter(f"{value!r}; expected one or two letters of a, f and d, as rtrace's -f")
+    return value[0], value[-1]
+
+
+@click.command("eval", context_settings={"ignore_unknown_options": True})
 @click.argument("file", type=click.Path())
-@click.argument("angles", nargs=-1, type=float)
+@click.argument("numbers", nargs=-1, type=float, metavar="[ANGLES]...")
+@click.option("--vectors", is_flag=True, help="Two vectors to a pair, six numbers, instead of angles.")
+@click.option(
+    "-f",
+    "--format",
+    "letters",
+    default="a",
+    show_default=True,
+    callback=_letters,
+    metavar="IO",
+    help="Numbers of input and output: a text, f float, d double, as rtrace's -f; one letter is for both.",
+)
 @click.option("--color", is_flag=True, help="Print CIE X, Y, Z instead of Y.")
 @click.option("--pdf", is_flag=True, help="Print the density [1/sr] of sampling the exitant direction as well.")
 @click.option("--band", default="Visible", show_default=True, help="Spectral band.")
 @repair_option
 @json_option
 @with_input_errors
-def eval_(file: str, angles: tuple[float, ...], color: bool, pdf: bool, band: str, repair: bool, as_json: bool) -> None:
+def eval_(
+    file: str,
+    numbers: tuple[float, ...],
+    vectors: bool,
+    letters: tuple[str, str],
+    color: bool,
+    pdf: bool,
+    band: str,
+    repair: bool,
+    as_json: bool,
+) -> None:
     """Print the BSDF [1/sr] of FILE for pairs of directions.
 
     ANGLES are θ_incident φ_incident θ_exitant φ_exitant in degrees, four to a pair; without them they are read
@@ -31,49 +60,61 @@ def eval_(file: str, angles: tuple[float, ...], color: bool, pdf: bool, band: st
     Examples:
       bsdftree eval blinds.xml 30 90 30 270
       bsdftree eval blinds.xml < pairs.txt
+      bsdftree eval --vectors -fdf blinds.xml < vectors.dbl > values.flt
       bsdftree eval --json --pdf blinds.xml 30 90 150 270
     """
-    numbers = list(angles) if angles else _numbers_from_stdin()
-    if len(numbers) % 4 or not numbers:
-        raise click.UsageError(
-            f"{len(numbers)} angles; expected four to a pair: θ_incident φ_incident θ_exitant φ_exitant in degrees"
+    width = width_of(vectors)
+    if len(numbers) % width:
+        expected = (
+            "six to a pair: two vectors" if vectors else "four to a pair: θ_incident φ_incident θ_exitant φ_exitant [°]"
         )
-    pairs = np.array(numbers).reshape(-1, 4)
+        raise click.UsageError(f"{len(numbers)} numbers; expected {expected}")
+    if as_json and letters[1] != "a":
+        raise click.UsageError(f"--json is text; -f asks for {letters[1]}")
+    given = iter([np.array(numbers).reshape(-1, width)]) if numbers else blocks(letters[0], vectors)
     bsdf = read(file, repair)
-    incident = direction_from_polar(pairs[:, 0], pairs[:, 1])
-    exitant = direction_from_polar(pairs[:, 2], pairs[:, 3])
-    values = bsdf.eval(incident, exitant, color=color, band=band)
-    densities = bsdf.pdf(incident, exitant, band=band) if pdf else None
-    if as_json:
-        key = "xyz" if color else "value"
-        rows = [
-            {"incident_deg": p[:2].tolist(), "exitant_deg": p[2:].tolist(), key: v.tolist()}
-            for p, v in zip(pairs, values, strict=True)
-        ]
-        if densities is not None:
-            for row, density in zip(rows, densities, strict=True):
-                row["pdf"] = float(density)
-        print_json(rows)
-        return
-    columns = np.atleast_2d(values.T).T
-    if densities is not None:
-        columns = np.column_stack([columns, densities])
-    for line in columns:
-        click.echo("\t".join(f"{v:.7g}" for v in line))
-
-
-def _numbers_from_stdin() -> list[float]:
-    numbers: list[float] = []
-    for number, line in enumerate(sys.stdin, 1):
-        words = line.partition("#")[0].replace(",", " ").split()
-        if not words:
+    rows: list[dict[str, Any]] = []
+    n_pairs = 0
+    for pairs in given:
+        n_pairs += len(pairs)
+        values, densities = _values(bsdf, pairs, vectors, color, pdf, band)
+        if as_json:
+            rows += _rows(pairs, values, densities, vectors)
             continue
-        if len(words) != 4:
-            raise ValueError(f"standard input, line {number}: {len(words)} numbers; expected four angles in degrees")
-        try:
-            numbers += [float(w) for w in words]
-        except ValueError:
-            raise ValueError(
-                f"standard input, line {number}: {line.strip()!r}; expected four angles in degrees"
-            ) from None
-    return numbers
+        columns = values.reshape(len(pairs), -1)
+        _put(columns if densities is None else np.column_stack([columns, densities]), letters[1])
+    if n_pairs == 0:
+        raise click.UsageError(f"no pairs of directions; expected {width} numbers to a pair")
+    if as_json:
+        print_json(rows)
+
+
+def _values(
+    bsdf: Bsdf, pairs: NDArray[np.float64], vectors: bool, color: bool, pdf: bool, band: str
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    incident, exitant = directions(pairs, vectors)
+    values = bsdf.eval(incident, exitant, color=color, band=band)
+    return values, bsdf.pdf(incident, exitant, band=band) if pdf else None
+
+
+def _put(columns: NDArray[np.float64], letter: str) -> None:
+    if letter == "a":
+        click.echo("\n".join("\t".join(f"{v:.7g}" for v in line) for line in columns))
+    else:
+        click.echo(columns.astype(BINARY[letter]).tobytes(), nl=False)
+
+
+def _rows(
+    pairs: NDArray[np.float64], values: NDArray[np.float64], densities: NDArray[np.float64] | None, vectors: bool
+) -> list[dict[str, Any]]:
+    half = pairs.shape[1] // 2
+    unit = "" if vectors else "_deg"
+    key = "xyz" if values.ndim == 2 else "value"
+    rows = [
+        {f"incident{unit}": p[:half].tolist(), f"exitant{unit}": p[half:].tolist(), key: v.tolist()}
+        for p, v in zip(pairs, values, strict=True)
+    ]
+    if densities is not None:
+        for row, density in zip(rows, densities, strict=True):
+            row["pdf"] = float(density)
+    return rows
