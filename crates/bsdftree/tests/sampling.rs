@@ -72,8 +72,9 @@ fn tree_samples_follow_their_exact_expected_counts() {
     let mut random = Random(1);
     for rank in [Rank::Four, Rank::Three] {
         for part in [Part::ReflectionBack, Part::TransmissionBack] {
-            let band = band(part, random_tree(rank, 4, &mut random).into());
-            for two_numbers in [false, true] {
+            for (is_smooth, two_numbers) in [(false, false), (false, true), (true, false), (true, true)] {
+                let tree = random_tree(rank, 4, &mut random);
+                let band = band(part, if is_smooth { tree.smooth() } else { tree }.into());
                 let incident = random.direction();
                 // Rank 3 turns its cells with the incident azimuth: compare in the plane where they are not turned.
                 let incident = if rank == Rank::Three {
@@ -94,9 +95,10 @@ fn tree_samples_follow_their_exact_expected_counts() {
 #[test]
 fn reversed_samples_follow_the_reversed_function() {
     let mut random = Random(2);
-    let trees = [Rank::Four, Rank::Three].map(|rank| Scattering::from(random_tree(rank, 4, &mut random)));
+    let trees = [Rank::Four, Rank::Three].map(|rank| random_tree(rank, 4, &mut random));
+    let smooth = trees.clone().map(|tree| Scattering::from(tree.smooth()));
     let matrix = Scattering::from(random_matrix(&mut random));
-    for scattering in trees.into_iter().chain([matrix]) {
+    for scattering in trees.map(Scattering::from).into_iter().chain(smooth).chain([matrix]) {
         let exact = matches!(&scattering, Scattering::Tree(t) if t.rank() == Rank::Four);
         // Light from the front, where only the component for light from the back is there.
         let band = band(Part::TransmissionFront, scattering);
@@ -144,7 +146,8 @@ fn density_integrates_to_one_over_both_hemispheres() {
     let mut random = Random(4);
     let mut band = Band::new("Visible");
     band.insert(Part::ReflectionBack, Component::grey(random_tree(Rank::Four, 4, &mut random).into()));
-    band.insert(Part::TransmissionBack, Component::grey(random_tree(Rank::Four, 4, &mut random).into()));
+    let smooth = random_tree(Rank::Four, 4, &mut random).smooth();
+    band.insert(Part::TransmissionBack, Component::grey(smooth.into()));
     for _ in 0..20 {
         let incident = random.direction();
         let mut integral = 0.0;
@@ -207,7 +210,9 @@ fn black_directions_have_no_density_and_no_weight() {
 #[test]
 fn threads_see_the_same_samples() {
     let mut random = Random(7);
-    let band = band(Part::TransmissionFront, random_tree(Rank::Three, 5, &mut random).into());
+    let mut band = band(Part::TransmissionFront, random_tree(Rank::Three, 5, &mut random).into());
+    let smooth = random_tree(Rank::Four, 5, &mut random).smooth();
+    band.insert(Part::ReflectionBack, Component::grey(smooth.into()));
     let run = || {
         let mut random = Random(8);
         (0..3000)

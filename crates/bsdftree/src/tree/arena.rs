@@ -226,8 +226,14 @@ impl Arena {
     /// One child of a node; of the last one if there is no such node.
     #[inline]
     pub fn child(&self, node: u32, child: usize) -> Slot {
+        self.slots()[self.slot_of(node, child)]
+    }
+
+    /// Which of the slots is that child.
+    #[inline]
+    pub(super) fn slot_of(&self, node: u32, child: usize) -> usize {
         let node = node.min(self.n_nodes.wrapping_sub(1));
-        self.slots()[(node as usize) << self.rank.dimensions() | child]
+        (node as usize) << self.rank.dimensions() | child
     }
 
     /// All slots, node after node.

@@ -10,8 +10,9 @@ use crate::square::{disk_from_square, square_from_disk};
 use crate::tree::Tree;
 use crate::tree::arena::{Arena, Content, Rank, Slot};
 use crate::tree::cache::SliceRef;
-use crate::tree::coordinates::{QUANTUM_BITS, azimuth, rank3_coordinate, turned};
-use crate::tree::slice::{Place, area};
+use crate::tree::coordinates::{QUANTUM_BITS, azimuth, quantized, rank3_coordinate, turned};
+use crate::tree::slice::{Place, Slice, area};
+use crate::tree::smooth::Smooth;
 
 /// Pairs in a block.
 const BLOCK: usize = 32;
@@ -25,7 +26,13 @@ impl Tree {
     /// # Panics
     /// If the lengths differ.
     pub fn eval_many(&self, incident: &[Direction], exitant: &[Direction], values: &mut [f64]) {
-        self.look_up::<VALUES>(incident, exitant, values);
+        match &self.smooth {
+            None => self.look_up::<VALUES>(incident, exitant, values),
+            Some(smooth) => {
+                assert_lengths(incident, exitant, values);
+                smooth.eval_many(self.arena(), incident, exitant, values);
+            }
+        }
     }
 
     /// [`Tree::projected_solid_angle`] for many pairs, several times as fast.
@@ -76,6 +83,38 @@ const ANGLES: bool = false;
 fn assert_lengths(incident: &[Direction], exitant: &[Direction], out: &[f64]) {
     assert_eq!(incident.len(), exitant.len(), "as many exitant as incident directions");
     assert_eq!(incident.len(), out.len(), "a number for each pair of directions");
+}
+
+impl Smooth {
+    /// Level by level too, but with the slots of the leaves and the places in them.
+    fn eval_many(&self, arena: &Arena, incident: &[Direction], exitant: &[Direction], out: &mut [f64]) {
+        let mut coordinates = [[0; BLOCK]; 4];
+        for_blocks(incident, exitant, out, |incident, exitant, out| {
+            quantized_places(arena.rank(), incident, exitant, &mut coordinates);
+            let (mut slots, mut levels, mut indices) = ([arena.top(); BLOCK], [0; BLOCK], [0; BLOCK]);
+            for level in 0..arena.log2_res() {
+                for k in 0..BLOCK {
+                    if let Content::Node(node) = slots[k].content() {
+                        let bit = |i: usize| (coordinates[i][k] >> (QUANTUM_BITS - 1 - level) & 1) as usize;
+                        let child = bit(0) | bit(1) << 1 | bit(2) << 2 | bit(3) << 3;
+                        indices[k] = arena.slot_of(node, child);
+                        slots[k] = arena.slots()[indices[k]];
+                        levels[k] += 1;
+                    }
+                }
+            }
+            indices.iter().for_each(|&index| self.slopes.ask(index));
+            for k in 0..BLOCK {
+                out[k] = match slots[k].content() {
+                    Content::Leaf(value) => {
+                        self.value(value, indices[k], levels[k], coordinates.map(|c| c[k]))
+                    }
+                    // Only in a damaged file.
+                    Content::Node(_) => 0.0,
+                };
+            }
+        });
+    }
 }
 
 /// The portable way.
@@ -139,9 +178,19 @@ fn for_blocks(
 /// Where the pairs of a block lie.
 #[inline(always)]
 fn places(arena: &Arena, incident: &[Direction; BLOCK], exitant: &[Direction; BLOCK], cells: &mut Cells) {
-    let log2 = arena.log2_res();
+    let scale = cell_scale(arena.log2_res());
+    for (cells, coordinates) in cells.iter_mut().zip(coordinates(arena.rank(), incident, exitant)) {
+        for k in 0..BLOCK {
+            cells[k] = cell(coordinates[k], scale);
+        }
+    }
+}
+
+/// Their coordinates, as [`Position::new`](super::Position::new) has them.
+#[inline(always)]
+fn coordinates(rank: Rank, incident: &[Direction; BLOCK], exitant: &[Direction; BLOCK]) -> [[f64; BLOCK]; 4] {
     let (from, to) = (columns(incident), columns(exitant));
-    let [a, b, c, d] = match arena.rank() {
+    match rank {
         Rank::Four => {
             let ([a, b], [c, d]) = (squares(from, -1.0), squares(to, 1.0));
             [a, b, c, d]
@@ -158,11 +207,19 @@ fn places(arena: &Arena, incident: &[Direction; BLOCK], exitant: &[Direction; BL
             let (a, [b, c]) = (rank3_coordinates(from), squares([x, y], 1.0));
             [a, b, c, [0.0; BLOCK]]
         }
-    };
-    let scale = cell_scale(log2);
-    for (cells, coordinates) in cells.iter_mut().zip([a, b, c, d]) {
+    }
+}
+
+#[inline(always)]
+fn quantized_block(
+    rank: Rank,
+    incident: &[Direction; BLOCK],
+    exitant: &[Direction; BLOCK],
+    quanta: &mut [[u64; BLOCK]; 4],
+) {
+    for (quanta, coordinates) in quanta.iter_mut().zip(coordinates(rank, incident, exitant)) {
         for k in 0..BLOCK {
-            cells[k] = cell(coordinates[k], scale);
+            quanta[k] = quantized(coordinates[k]);
         }
     }
 }
@@ -332,13 +389,14 @@ impl Tree {
     /// If the lengths differ.
     pub fn hemispherical_many(&self, incident: &[Direction], reversed: bool, totals: &mut [f64]) {
         assert_eq!(incident.len(), totals.len(), "a total for each incident direction");
-        match (self.rank(), reversed, self.totals()) {
+        let sums = if self.is_smooth() { None } else { self.totals() };
+        match (self.rank(), reversed, sums) {
             (Rank::Four, true, _) => self.reversed().hemispherical_many(incident, false, totals),
             (_, false, Some(sums)) => {
                 for_incident(incident, totals, |incident, totals| {
                     let cells = self.incident_cells(incident);
                     for k in 0..BLOCK {
-                        totals[k] = sums.of([cells[0][k], cells[1][k]]);
+                        [totals[k]] = sums.of([cells[0][k], cells[1][k]]);
                     }
                 });
             }
@@ -367,9 +425,9 @@ impl Tree {
         assert_eq!(incident.len(), sampled.len(), "a sample for each incident direction");
         match (self.rank(), reversed) {
             (Rank::Four, true) => self.reversed().sample_many(incident, false, u, v, sampled),
-            (Rank::Three, true) => {
+            _ if reversed || self.is_smooth() => {
                 for (k, sampled) in sampled.iter_mut().enumerate() {
-                    let found = self.lobe(incident[k], true).sample(u[k], v.map(|v| v[k]));
+                    let found = self.lobe(incident[k], reversed).sample(u[k], v.map(|v| v[k]));
                     *sampled = found.unwrap_or_default();
                 }
             }
@@ -393,8 +451,8 @@ impl Tree {
             let cells = self.incident_cells(&padded);
             let cell = |k: usize| [cells[0][k], cells[1][k]];
             (0..u.len()).for_each(|k| self.slices.ask(&self.arena, cell(k)));
-            let slices: [SliceRef<'_>; BLOCK] =
-                std::array::from_fn(|k| self.slices.slice(&self.arena, cell(k.min(u.len() - 1))));
+            let slices: [SliceRef<'_, Slice>; BLOCK] =
+                std::array::from_fn(|k| self.slice(cell(k.min(u.len() - 1))));
             slices.iter().for_each(|slice| ask(&raw const **slice));
             let lit = |k: &usize| !slices[*k].is_black();
             (0..u.len()).filter(lit).for_each(|k| ask(slices[k].guide(u[k])));
@@ -470,6 +528,16 @@ macro_rules! wide {
 wide! {
     /// Incident coordinates of a block.
     incident_coordinates calls incident_block(rank: Rank, incident: &[Direction; BLOCK], is_reversed: bool, log2: u32) -> [[u32; BLOCK]; 2]
+}
+
+wide! {
+    /// Quantised coordinates of a block of pairs.
+    quantized_places calls quantized_block(
+        rank: Rank,
+        incident: &[Direction; BLOCK],
+        exitant: &[Direction; BLOCK],
+        quanta: &mut [[u64; BLOCK]; 4]
+    ) -> ()
 }
 
 wide! {
@@ -565,8 +633,8 @@ mod tests {
         fn many_values_are_those_of_single_calls_to_the_bit(
             points in prop::collection::vec((prop::array::uniform4(-1.01..1.01f64), any::<bool>(), any::<bool>()), 0..100),
         ) {
-            for rank in [Rank::Three, Rank::Four] {
-                let tree = tree(rank);
+            for (rank, is_smooth) in [(Rank::Three, false), (Rank::Four, false), (Rank::Three, true), (Rank::Four, true)] {
+                let tree = if is_smooth { tree(rank).smooth() } else { tree(rank) };
                 let incident: Vec<_> = points.iter().map(|&([a, b, ..], front, _)| direction([a, b], front)).collect();
                 let exitant: Vec<_> = points.iter().map(|&([.., c, d], _, front)| direction([c, d], front)).collect();
                 let single: Vec<f64> = incident.iter().zip(&exitant).map(|(&i, &o)| tree.eval(i, o)).collect();
@@ -574,8 +642,10 @@ mod tests {
                 tree.eval_many(&incident, &exitant, &mut many);
                 prop_assert_eq!(&many, &single);
                 many.fill(-1.0);
-                tree.eval_many_portable(&incident, &exitant, &mut many);
-                prop_assert_eq!(&many, &single);
+                if !is_smooth {
+                    tree.eval_many_portable(&incident, &exitant, &mut many);
+                    prop_assert_eq!(&many, &single);
+                }
                 let single: Vec<f64> =
                     incident.iter().zip(&exitant).map(|(&i, &o)| tree.projected_solid_angle(i, o)).collect();
                 tree.projected_solid_angle_many(&incident, &exitant, &mut many);

@@ -12,6 +12,8 @@ mod cache;
 mod reverse;
 mod lobe;
 mod batch;
+mod slopes;
+mod smooth;
 mod walk;
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -27,13 +29,18 @@ use crate::direction::Direction;
 use cache::{SliceCache, SliceRef};
 use coordinates::{QUANTUM_BITS, exitant_square, incident_coordinates, quantized};
 use reverse::Rank3Reverse;
+use slice::Slice;
+use slopes::Slopes;
+use smooth::Smooth;
 use totals::Totals;
 
 /// A BSDF component as a tensor tree of rank 3 or 4. Values are \[1/sr\], without a cosine.
 pub struct Tree {
     arena: Arena,
-    slices: SliceCache,
-    totals: OnceLock<Option<Totals>>,
+    slices: SliceCache<Slice>,
+    totals: OnceLock<Option<Totals<1>>>,
+    /// If it answers with ramps.
+    smooth: Option<Smooth>,
     /// Rank 4: the tree for light travelling the other way.
     reversed: OnceLock<Box<Tree>>,
     /// Whether it is that of another, whose exitant cells its incident ones are. It matters at their borders only.
@@ -49,6 +56,7 @@ impl Tree {
             arena,
             slices: SliceCache::default(),
             totals: OnceLock::new(),
+            smooth: None,
             reversed: OnceLock::new(),
             is_reversed: false,
             rank3_reverse: Mutex::new(None),
@@ -94,6 +102,22 @@ impl Tree {
         Tree::new(builder.finish(root))
     }
 
+    /// The same tree, whose values, samples, densities and totals go up and down inside its leaves as their neighbours suggest, instead
+    /// of being constant there. The mean of every leaf is kept. Leaves, areas and what is written to a file stay what they are.
+    pub fn smooth(&self) -> Tree {
+        self.with_slopes(Arc::new(Slopes::new(&self.arena)))
+    }
+
+    fn with_slopes(&self, slopes: Arc<Slopes>) -> Tree {
+        let is_reversed = self.is_reversed;
+        Tree { smooth: Some(Smooth::new(slopes)), is_reversed, ..Tree::new(self.arena.clone()) }
+    }
+
+    /// Whether it answers with ramps in its leaves ([`Tree::smooth`]).
+    pub fn is_smooth(&self) -> bool {
+        self.smooth.is_some()
+    }
+
     /// The slots themselves.
     pub fn arena(&self) -> &Arena {
         &self.arena
@@ -104,7 +128,7 @@ impl Tree {
         self.arena.rank()
     }
 
-    /// The value at a place \[1/sr\].
+    /// The value of the leaf at a place \[1/sr\].
     #[inline]
     pub fn value(&self, position: Position) -> f32 {
         self.leaf_at(position).0
@@ -112,7 +136,14 @@ impl Tree {
 
     /// The value \[1/sr\] and the level of the leaf at a place.
     #[inline]
-    pub fn leaf_at(&self, Position(p): Position) -> (f32, u32) {
+    pub fn leaf_at(&self, position: Position) -> (f32, u32) {
+        let (value, _, level) = self.leaf_and_slot_at(position);
+        (value, level)
+    }
+
+    /// The value \[1/sr\], the slot and the level of the leaf at a place; slot 0 if the leaf is the whole tree.
+    #[inline]
+    fn leaf_and_slot_at(&self, Position(p): Position) -> (f32, usize, u32) {
         // The upper 16 bits of each coordinate. Of one level's bits a multiplication makes the number of a child, bit i being that of
         // dimension i: the products that are not wanted stay below bit 48, or fall out.
         const KEPT: u32 = QUANTUM_BITS - 16;
@@ -120,22 +151,32 @@ impl Tree {
         const GATHERED: u64 = 1 << 48 | 1 << 33 | 1 << 18 | 1 << 3;
         let cells = p[0] >> KEPT | p[1] >> KEPT << 16 | p[2] >> KEPT << 32 | p[3] >> KEPT << 48;
         let mut slot = self.arena.top();
+        let mut index = 0;
         for level in 0..=self.arena.log2_res() {
             match slot.content() {
-                Content::Leaf(value) => return (value, level),
+                Content::Leaf(value) => return (value, index, level),
                 Content::Node(node) => {
                     let bits = cells >> (15 - level) & TOP_BITS;
-                    slot = self.arena.child(node, (bits.wrapping_mul(GATHERED) >> 48) as usize);
+                    let child = (bits.wrapping_mul(GATHERED) >> 48) as usize;
+                    index = self.arena.slot_of(node, child);
+                    slot = self.arena.slots()[index];
                 }
             }
         }
         // Only in a damaged file.
-        (0.0, self.arena.log2_res())
+        (0.0, 0, self.arena.log2_res())
     }
 
     /// The BSDF \[1/sr\] for light from `incident` to `exitant`; which sides they lie on does not matter here.
     pub fn eval(&self, incident: Direction, exitant: Direction) -> f64 {
-        f64::from(self.value(Position::new(self.rank(), incident, exitant)))
+        let position = Position::new(self.rank(), incident, exitant);
+        match &self.smooth {
+            None => f64::from(self.value(position)),
+            Some(smooth) => {
+                let (value, slot, level) = self.leaf_and_slot_at(position);
+                smooth.value(value, slot, level, position.0)
+            }
+        }
     }
 
     /// Projected solid angle \[sr\] of the exitant side of the leaf that holds a pair of directions.
@@ -150,14 +191,16 @@ impl Tree {
             // The incident cell of the same polar angle: isotropic resolution is alike both ways.
             _ => self,
         };
-        tree.slice(incident).projected_solid_angle()
+        tree.slice(tree.incident_cell(incident)).projected_solid_angle()
     }
 
     /// Rank 4: the tree for light travelling the other way.
     fn reversed(&self) -> &Tree {
         self.reversed.get_or_init(|| {
+            let arena = reverse::reversed(&self.arena);
+            let slopes = self.smooth.as_ref().map(|s| Arc::new(s.slopes.reversed(&self.arena, &arena)));
             let is_reversed = !self.is_reversed;
-            Box::new(Tree { is_reversed, ..Tree::new(reverse::reversed(&self.arena)) })
+            Box::new(Tree { is_reversed, smooth: slopes.map(Smooth::new), ..Tree::new(arena) })
         })
     }
 
@@ -166,55 +209,77 @@ impl Tree {
         match (self.rank(), reversed) {
             (Rank::Four, true) => self.reversed().hemispherical(incident, false),
             (Rank::Three, true) => self.lobe(incident, true).total(),
-            _ => self.total(self.incident_cell(incident)),
+            _ => match &self.smooth {
+                None => self.total(self.incident_cell(incident)),
+                Some(smooth) => smooth.total(&self.arena, self.incident_coordinates(incident)),
+            },
         }
     }
 
     /// The incident cell of a direction at the tree's own resolution.
     fn incident_cell(&self, incident: Direction) -> [u32; 2] {
         let shift = QUANTUM_BITS - self.arena.log2_res();
-        let cell = |c: u64| (c >> shift) as u32;
+        self.incident_coordinates(incident).map(|c| (c >> shift) as u32)
+    }
+
+    /// Incident coordinates of a direction.
+    fn incident_coordinates(&self, incident: Direction) -> [u64; 2] {
         match self.is_reversed {
-            false => incident_coordinates(self.rank(), incident).map(cell),
-            true => exitant_square(Rank::Four, incident, incident)
-                .map(|c| (1 << self.arena.log2_res()) - 1 - cell(quantized(c))),
+            false => incident_coordinates(self.rank(), incident),
+            true => {
+                exitant_square(Rank::Four, incident, incident).map(|c| (1 << QUANTUM_BITS) - 1 - quantized(c))
+            }
         }
     }
 
     /// Makes all that samples and totals need, which is made when it is first needed otherwise; its memory \[byte\]. Those of the
     /// reversed tree are not among it.
     pub fn make_tables(&self) -> usize {
-        self.slices.fill(&self.arena) + self.totals().map_or(0, Totals::n_bytes)
+        match &self.smooth {
+            None => {
+                let slices = self.slices.fill(&self.arena, |cell| Slice::new(&self.arena, cell));
+                slices + self.totals().map_or(0, Totals::n_bytes)
+            }
+            Some(smooth) => smooth.make_tables(&self.arena),
+        }
     }
 
     /// The totals of all incident cells, unless there are too many.
-    fn totals(&self) -> Option<&Totals> {
-        self.totals.get_or_init(|| Totals::new(&self.arena)).as_ref()
+    fn totals(&self) -> Option<&Totals<1>> {
+        self.totals.get_or_init(|| Totals::new(&self.arena, |_, value| [value])).as_ref()
     }
 
     fn total(&self, cell: [u32; 2]) -> f64 {
         match self.totals() {
-            Some(totals) => totals.of(cell),
-            None => self.slices.slice(&self.arena, cell).total(),
+            Some(totals) => totals.of(cell)[0],
+            None => self.slice(cell).total(),
         }
     }
 
-    fn slice(&self, incident: Direction) -> SliceRef<'_> {
-        self.slices.slice(&self.arena, self.incident_cell(incident))
+    /// The slice over an incident cell.
+    fn slice(&self, cell: [u32; 2]) -> SliceRef<'_, Slice> {
+        self.slices.slice(&self.arena, cell, || Slice::new(&self.arena, cell))
     }
 
     fn rank3_reverse(&self, sin_theta: f64) -> Arc<Rank3Reverse> {
         let mut last = self.rank3_reverse.lock().unwrap_or_else(PoisonError::into_inner);
         match last.as_ref() {
             Some(slice) if slice.sin_theta() == sin_theta => Arc::clone(slice),
-            _ => Arc::clone(last.insert(Arc::new(Rank3Reverse::new(&self.arena, sin_theta)))),
+            _ => Arc::clone(last.insert(Arc::new(Rank3Reverse::new(
+                &self.arena,
+                self.smooth.as_ref().map(|s| &*s.slopes),
+                sin_theta,
+            )))),
         }
     }
 }
 
 impl Clone for Tree {
     fn clone(&self) -> Tree {
-        Tree::new(self.arena.clone())
+        match &self.smooth {
+            None => Tree { is_reversed: self.is_reversed, ..Tree::new(self.arena.clone()) },
+            Some(smooth) => self.with_slopes(Arc::clone(&smooth.slopes)),
+        }
     }
 }
 

@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 
 use crate::hilbert::{State, cell_from_hilbert};
 use crate::tree::arena::{Arena, Content, Rank, Slot};
+use crate::tree::cache;
 
 /// Levels of the Hilbert index inside the unit square: 2^-26 is below the rounding of a direction in f32.
 const LEVELS: u32 = 26;
@@ -49,9 +50,15 @@ pub(super) struct Slice {
 impl Slice {
     /// Walks the leaves over an incident cell, given by its coordinates at the tree's own resolution.
     pub fn new(arena: &Arena, incident: [u32; 2]) -> Slice {
-        let mut walk = Walk { arena, incident, entries: Vec::new(), total: 0.0, levels: [0, u32::MAX] };
-        walk.descend(arena.root(), State::default(), 0, 1);
-        let Walk { mut entries, total, levels, .. } = walk;
+        let (mut entries, mut total, mut levels) = (Vec::new(), 0.0, [0, u32::MAX]);
+        walk(arena, incident, |Met { value, level, place, .. }| {
+            levels = [levels[0].max(level), levels[1].min(level)];
+            if value > 0.0 {
+                let entry = Entry { before: 0, place, value };
+                total += entry.weight();
+                entries.push(entry);
+            }
+        });
         let mut sum = 0.0;
         for entry in &mut entries {
             entry.before = (sum / total * ONE as f64) as u32;
@@ -120,17 +127,18 @@ impl Slice {
         }
         let before = f64::from(entry.before);
         let rest = ((target - before) / (end as f64 - before)).min(BELOW_ONE);
-        (entry.place(rest, v), f64::from(entry.value))
+        (Place::inside(entry.place, rest, v), f64::from(entry.value))
     }
 
     /// Smallest and largest projected solid angle of a leaf \[sr\].
     pub fn projected_solid_angle(&self) -> [f64; 2] {
         self.levels.map(area)
     }
+}
 
-    /// Memory \[byte\].
-    pub fn n_bytes(&self) -> usize {
-        std::mem::size_of_val(&*self.entries) + std::mem::size_of_val(&*self.guide)
+impl cache::Slice for Slice {
+    fn n_bytes(&self) -> usize {
+        size_of_val(&*self.entries) + size_of_val(&*self.guide)
     }
 }
 
@@ -156,19 +164,23 @@ fn guide(entries: &[Entry]) -> Box<[u32]> {
 }
 
 impl Entry {
-    fn level(self) -> u32 {
-        self.place.ilog2() / 2
-    }
-
     fn weight(self) -> f64 {
-        f64::from(self.value) * area(self.level())
+        f64::from(self.value) * area(level_of(self.place))
     }
+}
 
-    /// A place in the leaf.
+/// The level of a leaf from where it lies on the curve, as in [`Entry`].
+#[inline(always)]
+pub(super) fn level_of(place: u32) -> u32 {
+    place.ilog2() / 2
+}
+
+impl Place {
+    /// A place in a leaf, of which is known where it lies on the curve, as in [`Entry`].
     #[inline(always)]
-    fn place(self, rest: f64, v: Option<f64>) -> Place {
-        let level = self.level();
-        let hilbert = u64::from(self.place & !(1 << (2 * level)));
+    pub fn inside(leaf: u32, rest: f64, v: Option<f64>) -> Place {
+        let level = level_of(leaf);
+        let hilbert = u64::from(leaf & !(1 << (2 * level)));
         let below = LEVELS - level;
         let n = 1u64 << below;
         let first = hilbert << (2 * below);
@@ -222,26 +234,33 @@ pub(crate) fn area(level: u32) -> f64 {
     AREAS[level as usize]
 }
 
-struct Walk<'a> {
-    arena: &'a Arena,
-    incident: [u32; 2],
-    entries: Vec<Entry>,
-    total: f64,
-    levels: [u32; 2],
+/// A leaf over an incident cell.
+pub(super) struct Met {
+    /// Its slot, 0 if it is the whole tree.
+    pub slot: usize,
+    /// Value \[1/sr\].
+    pub value: f32,
+    pub level: u32,
+    /// As in [`Entry`].
+    pub place: u32,
 }
 
-impl Walk<'_> {
-    /// `place` as in [`Entry`].
-    fn descend(&mut self, slot: Slot, state: State, level: u32, place: u32) {
+/// Calls `meet` with all leaves over an incident cell, given by its coordinates at the tree's own resolution, in Hilbert order.
+pub(super) fn walk(arena: &Arena, incident: [u32; 2], meet: impl FnMut(Met)) {
+    Walk { arena, incident, meet }.descend(arena.root(), 0, State::default(), 0, 1);
+}
+
+struct Walk<'a, F> {
+    arena: &'a Arena,
+    incident: [u32; 2],
+    meet: F,
+}
+
+impl<F: FnMut(Met)> Walk<'_, F> {
+    /// `index`: of the slot. `place` as in [`Entry`].
+    fn descend(&mut self, slot: Slot, index: usize, state: State, level: u32, place: u32) {
         match slot.content() {
-            Content::Leaf(value) => {
-                self.levels = [self.levels[0].max(level), self.levels[1].min(level)];
-                if value > 0.0 {
-                    let entry = Entry { before: 0, place, value };
-                    self.total += entry.weight();
-                    self.entries.push(entry);
-                }
-            }
+            Content::Leaf(value) => (self.meet)(Met { slot: index, value, level, place }),
             Content::Node(node) => {
                 let bit = |c: u32| (c >> (self.arena.log2_res() - 1 - level) & 1) as usize;
                 let (fixed, shift) = match self.arena.rank() {
@@ -250,8 +269,9 @@ impl Walk<'_> {
                 };
                 for k in 0..4 {
                     let (quadrant, next) = state.step(k);
-                    let child = self.arena.child(node, fixed | (quadrant as usize) << shift);
-                    self.descend(child, next, level + 1, place << 2 | k as u32);
+                    let child = fixed | (quadrant as usize) << shift;
+                    let index = self.arena.slot_of(node, child);
+                    self.descend(self.arena.slots()[index], index, next, level + 1, place << 2 | k as u32);
                 }
             }
         }
