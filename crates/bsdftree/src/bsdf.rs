@@ -146,6 +146,11 @@ impl Band {
         self.components[part as usize].replace(component)
     }
 
+    /// Takes a component out.
+    pub fn remove(&mut self, part: Part) -> Option<Component> {
+        self.components[part as usize].take()
+    }
+
     /// The components that are there.
     pub fn components(&self) -> impl Iterator<Item = (Part, &Component)> {
         Part::ALL.into_iter().filter_map(|part| Some((part, self.component(part)?)))

@@ -47,13 +47,16 @@ mod cumulative;
 pub mod tree;
 pub mod klems;
 pub mod color;
+pub mod locus;
 pub mod bsdf;
 pub mod cell;
 pub mod query;
 mod many;
-pub mod check;
 pub mod convert;
 pub mod peaks;
+pub mod check;
+pub mod repair;
+
 mod whole_file;
 pub mod radiance_matrix;
 pub mod xml;

@@ -30,6 +30,8 @@ pub use function::FunctionError;
 pub use merge::merge;
 pub use stack::{MAX_STACK_LOG2_RES, StackDomain, default_domain, stack};
 pub use symmetry::Mirror;
+pub(crate) use symmetry::{mirrored, permuted, quarter_turned};
+pub(crate) use xyz::{channels, combined, from_channels};
 
 use crate::bsdf::{Band, Bsdf, Component, Part, Scattering};
 use crate::klems::Basis;

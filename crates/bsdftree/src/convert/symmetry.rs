@@ -82,7 +82,7 @@ impl Bsdf {
 }
 
 /// A tree whose children of every node have changed places: child k of the new one is child `from(k)` of the old.
-fn permuted(tree: &Tree, from: &dyn Fn(usize) -> usize) -> Tree {
+pub(crate) fn permuted(tree: &Tree, from: &dyn Fn(usize) -> usize) -> Tree {
     fn grow(arena: &Arena, slot: Slot, from: &dyn Fn(usize) -> usize, builder: &mut TreeBuilder) -> Slot {
         let Content::Node(node) = slot.content() else { return slot };
         let n = arena.rank().n_children();
@@ -97,7 +97,7 @@ fn permuted(tree: &Tree, from: &dyn Fn(usize) -> usize) -> Tree {
     Tree::new(builder.finish(root))
 }
 
-fn mirrored(function: &Scattering, mirror: Mirror) -> Scattering {
+pub(crate) fn mirrored(function: &Scattering, mirror: Mirror) -> Scattering {
     match function {
         Scattering::Tree(tree) => {
             let flipped = match (tree.rank(), mirror) {
@@ -133,7 +133,7 @@ fn remixed(matrix: &Matrix, mixtures: impl Fn(&Basis) -> Vec<Vec<(usize, f64)>>)
     Matrix::new(incident.clone(), exitant.clone(), values).expect("mixtures of values that are right")
 }
 
-fn quarter_turned(function: &Scattering, quarters: u32) -> Scattering {
+pub(crate) fn quarter_turned(function: &Scattering, quarters: u32) -> Scattering {
     match function {
         Scattering::Tree(tree) if tree.rank() == Rank::Three => function.clone(),
         Scattering::Tree(tree) => {

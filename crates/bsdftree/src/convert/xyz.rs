@@ -17,7 +17,7 @@ pub(super) fn mapped<E: From<TreeError>>(
 }
 
 /// X, Y and Z of a component with colour.
-pub(super) fn channels(component: &Component) -> Result<Option<[Scattering; 3]>, TreeError> {
+pub(crate) fn channels(component: &Component) -> Result<Option<[Scattering; 3]>, TreeError> {
     let luminance = &component.luminance;
     Ok(match (luminance, &component.chroma) {
         (_, None) => None,
@@ -32,7 +32,7 @@ pub(super) fn channels(component: &Component) -> Result<Option<[Scattering; 3]>,
 }
 
 /// A component of X, Y and Z.
-pub(super) fn from_channels([x, y, z]: [Scattering; 3]) -> Result<Component, TreeError> {
+pub(crate) fn from_channels([x, y, z]: [Scattering; 3]) -> Result<Component, TreeError> {
     let chroma = match (&x, &y, &z) {
         (Scattering::Tree(x), Scattering::Tree(y), Scattering::Tree(z)) => {
             let uv = |k: usize| combined([x, y, z], &move |xyz: [f64; 3]| uv_from_xyz(xyz)[k]);
@@ -44,7 +44,7 @@ pub(super) fn from_channels([x, y, z]: [Scattering; 3]) -> Result<Component, Tre
 }
 
 /// What `f` makes of the values of three trees of one rank, place by place.
-fn combined(trees: [&Tree; 3], f: &dyn Fn([f64; 3]) -> f64) -> Result<Tree, TreeError> {
+pub(crate) fn combined(trees: [&Tree; 3], f: &dyn Fn([f64; 3]) -> f64) -> Result<Tree, TreeError> {
     fn grow(
         trees: [&Tree; 3],
         slots: [Slot; 3],

@@ -194,6 +194,11 @@ impl Tree {
         tree.slice(tree.incident_cell(incident)).projected_solid_angle()
     }
 
+    /// Rank 4: a tree of its own for light travelling the other way, incident and exitant swapped.
+    pub(crate) fn reversed_copy(&self) -> Tree {
+        Tree::new(reverse::reversed(&self.arena))
+    }
+
     /// Rank 4: the tree for light travelling the other way.
     fn reversed(&self) -> &Tree {
         self.reversed.get_or_init(|| {
