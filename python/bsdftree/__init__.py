@@ -12,7 +12,7 @@ the front, is the room. Values have **no cosine**.
 """
 
 from bsdftree._bsdf import Bsdf, Matrix, Sample, Tree, load
-from bsdftree._check import BandCheck, Energy, Finding, Reciprocity
+from bsdftree._check import BandCheck, Check, Energy, Finding, Gamut, Mended, Noise, Reciprocity, Symmetry
 from bsdftree._combine import merge, stack
 from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
@@ -29,18 +29,23 @@ __all__ = [
     "BandCheck",
     "BandReport",
     "Bsdf",
+    "Check",
     "Device",
     "Energy",
     "Family",
     "Finding",
+    "Gamut",
     "GenerationReport",
     "Matrix",
+    "Mended",
+    "Noise",
     "Parameter",
     "Peak",
     "PeakFamily",
     "Reciprocity",
     "Resumed",
     "Sample",
+    "Symmetry",
     "Tree",
     "__version__",
     "device_families",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bsdftree import _core
-from bsdftree._check import BandCheck, band_checks
+from bsdftree._check import KINDS, Check, Mended, check_of
 from bsdftree._directions import as_pairs, as_rows
 from bsdftree._peaks import PeakFamily, peak_families
 
@@ -609,8 +609,8 @@ class Bsdf:
             raise ValueError(f"min_strength is {min_strength}; expected a fraction of the light in (0, 1)")
         return peak_families(_core.peaks(self._core, band, contrast, min_strength))
 
-    def check(self, *, energy: float = 0.01, reciprocity: float = 0.25) -> list[BandCheck]:
-        """Check energy, reciprocity, missing sides and orientation.
+    def check(self, *, energy: float = 0.01, reciprocity: float = 0.25, noise: float = 0.25) -> Check:
+        """Check energy, reciprocity, sides, orientation, units, noise and colour.
 
         Parameters
         ----------
@@ -618,13 +618,59 @@ class Bsdf:
             Tolerated excess of scattered over incident light.
         reciprocity
             Tolerated flux-weighted mean of |a - b| / (a + b) between pairs of directions and the same pairs swapped.
+        noise
+            Tolerated relative standard deviation of a value.
 
         Returns
         -------
-        list of BandCheck
-            One for each band.
+        Check
+            What was measured and found, by band.
+
+        Examples
+        --------
+        >>> bright = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.full((1, 1, 1, 1), 0.4))})
+        >>> [(finding.kind, finding.severity, round(finding.amount, 3)) for _, finding in bright.check().all()]
+        [('energy', 'violation', 0.257)]
         """
-        return band_checks(_core.check(self._core, energy, reciprocity))
+        return check_of(*_core.check(self._core, energy, reciprocity, noise))
+
+    def repaired(
+        self,
+        kinds: Sequence[str] = KINDS,
+        *,
+        energy: float = 0.01,
+        reciprocity: float = 0.25,
+        noise: float = 0.25,
+    ) -> tuple[Bsdf, list[Mended]]:
+        """Return a copy with findings mended, where they can be, and what was done.
+
+        Parameters
+        ----------
+        kinds
+            Which kinds of findings to mend; all by default.
+        energy, reciprocity, noise
+            What is tolerated, as in :meth:`check`.
+
+        Returns
+        -------
+        Bsdf, list of Mended
+            The copy, whose provenance says what was done, and that, with a number before and after. Without anything to
+            mend, the copy is the same.
+
+        Raises
+        ------
+        ValueError
+            If there is no such kind.
+
+        Examples
+        --------
+        >>> bright = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.full((1, 1, 1, 1), 0.4))})
+        >>> mended, done = bright.repaired(["energy"])
+        >>> [(m.what, m.measure, round(m.before, 3), round(m.after, 3)) for m in done]
+        [('pairs of directions scaled down', 'largest total', 1.257, 1.0)]
+        """
+        core, done = _core.repaired(self._core, list(kinds), energy, reciprocity, noise)
+        return Bsdf(core), [Mended(**mended) for mended in done]
 
     def to_klems(self, basis: str | list[tuple[float, float, int]] = "full", *, subdivide: int = 1) -> Bsdf:
         """Return the BSDF as matrices over an angle basis.

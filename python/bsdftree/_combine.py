@@ -46,7 +46,7 @@ def merge(parts: Sequence[Bsdf]) -> Bsdf:
     made = Bsdf(core)
     for remark in remarks:
         warnings.warn(remark, stacklevel=2)
-    for band in made.check():
+    for band in made.check().bands:
         for energy in band.energy:
             if energy.max > 1.01:
                 message = f"{band.band}: {100 * energy.max:.1f} % of the light from the {energy.side} leaves"

@@ -1,11 +1,17 @@
 //! The checks and repairs, as plain Python objects.
 
-use bsdftree::check::{Finding, Place, Report, Severity, Tolerance};
+use std::path::PathBuf;
+
+use bsdftree::check::{Finding, Kind, Place, Report, Severity, Tolerance};
+use bsdftree::repair::repaired as mend;
+use bsdftree::xml::{self, Strictness};
 use bsdftree::{Direction, Side};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::bsdf::Bsdf;
+use crate::convert::made;
+use crate::value_error;
 
 /// Findings of the header, and one dictionary per band.
 #[pyfunction]
@@ -18,6 +24,51 @@ pub fn check<'py>(
 ) -> PyResult<(Bound<'py, PyList>, Bound<'py, PyList>)> {
     let report = py.detach(|| bsdftree::check::check(&bsdf.bsdf, Tolerance { energy, reciprocity, noise }));
     Ok((findings(py, &report.findings)?, bands(py, &report)?))
+}
+
+/// A copy with findings of some kinds mended, and what was done.
+#[pyfunction]
+pub fn repaired<'py>(
+    py: Python<'py>,
+    bsdf: &Bsdf,
+    kinds: Vec<String>,
+    energy: f64,
+    reciprocity: f64,
+    noise: f64,
+) -> PyResult<(Bsdf, Bound<'py, PyList>)> {
+    let kinds: Vec<Kind> = kinds
+        .iter()
+        .map(|name| {
+            let found = Kind::ALL.into_iter().find(|kind| kind.name() == name);
+            found.ok_or_else(|| {
+                let known: Vec<_> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+                value_error(format!("no kind of finding {name:?}; expected some of {}", known.join(", ")))
+            })
+        })
+        .collect::<PyResult<_>>()?;
+    let tolerance = Tolerance { energy, reciprocity, noise };
+    let (bsdf, done) = py.detach(|| mend(&bsdf.bsdf, &kinds, tolerance));
+    let list = PyList::empty(py);
+    for mended in done {
+        let row = PyDict::new(py);
+        row.set_item("kind", mended.kind.name())?;
+        row.set_item("band", mended.band)?;
+        row.set_item("part", mended.part.map(|part| part.key()))?;
+        row.set_item("what", mended.what)?;
+        row.set_item("measure", mended.measure)?;
+        row.set_item("before", mended.before)?;
+        row.set_item("after", mended.after)?;
+        list.append(row)?;
+    }
+    Ok((made(bsdf), list))
+}
+
+/// What a reader had to mend in a file, as text; not what it only remarks upon.
+#[pyfunction]
+pub fn faults(py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
+    let read = py.detach(|| bsdftree::file::read(&path, Strictness::Repair));
+    let (_, repairs) = read.map_err(value_error)?;
+    Ok(repairs.iter().filter(|r| r.severity == xml::Severity::Repair).map(ToString::to_string).collect())
 }
 
 fn bands<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyList>> {

@@ -34,6 +34,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(device::device_families, module)?)?;
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
+    module.add_function(wrap_pyfunction!(check::repaired, module)?)?;
+    module.add_function(wrap_pyfunction!(check::faults, module)?)?;
     module.add_function(wrap_pyfunction!(peaks::peaks, module)?)?;
     module.add_function(wrap_pyfunction!(convert::to_klems, module)?)?;
     module.add_function(wrap_pyfunction!(convert::to_tree, module)?)?;

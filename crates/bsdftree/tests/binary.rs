@@ -332,7 +332,7 @@ fn links_that_lead_anywhere_do_no_harm_and_are_found() {
         let damage = mapped.verify().unwrap_err();
         assert!(damage.offset >= first as u64 && damage.to_string().contains("Reflection Back"), "{damage}");
         ask(&mapped);
-        assert!(check(&mapped, Tolerance::default())[0].findings[0].message.contains("damaged"));
+        assert!(check(&mapped, Tolerance::default()).bands[0].findings[0].message.contains("damaged"));
         let message = read(&bytes).unwrap_err().to_string();
         assert!(message.contains("checksum"), "{message}");
     }

@@ -1,14 +1,33 @@
-"""``bsdftree check``: does a file obey physics."""
+"""``bsdftree check``: does a file obey physics and say what was meant; a repaired copy of it."""
 
 from __future__ import annotations
 
+import os
+import shutil
 import sys
-from dataclasses import asdict
+import tempfile
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
 
 import click
 
-from bsdftree import BandCheck, polar_from_direction
-from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
+from bsdftree import Bsdf, Check, Finding, Mended, _core, load
+from bsdftree._check import KINDS
+from bsdftree.cli._check_tables import show
+from bsdftree.cli._common import json_option, print_json, printable, stdout, with_input_errors
+
+MENDABLE = KINDS[:-1]
+
+
+def _kinds(_context: click.Context, _option: click.Parameter, value: str | None) -> tuple[str, ...]:
+    if value is None:
+        return MENDABLE
+    kinds = tuple(word.strip() for word in value.split(","))
+    unknown = [kind for kind in kinds if kind not in MENDABLE]
+    if unknown:
+        raise click.BadParameter(f"{unknown[0]!r}; expected some of {', '.join(MENDABLE)}")
+    return kinds
 
 
 @click.command()
@@ -27,55 +46,134 @@ from bsdftree.cli._common import json_option, print_json, read, repair_option, s
     metavar="PERCENT",
     help="Tolerated mean difference |a-b|/(a+b) between pairs of directions and the same pairs swapped, by flux.",
 )
-@repair_option
+@click.option(
+    "--noise",
+    default=25.0,
+    show_default=True,
+    metavar="PERCENT",
+    help="Tolerated relative standard deviation of a value.",
+)
+@click.option("--fix", metavar="OUT", type=click.Path(), help="Write a repaired copy of the one file to OUT.")
+@click.option(
+    "--only",
+    "kinds",
+    metavar="KIND,...",
+    callback=_kinds,
+    help=f"With --fix: repair findings of these kinds only: {', '.join(MENDABLE)}.",
+)
 @json_option
 @with_input_errors
-def check(files: tuple[str, ...], energy: float, reciprocity: float, repair: bool, as_json: bool) -> None:
-    """Check energy, reciprocity, missing sides and orientation of BSDF files.
+def check(
+    files: tuple[str, ...],
+    energy: float,
+    reciprocity: float,
+    noise: float,
+    fix: str | None,
+    kinds: tuple[str, ...],
+    as_json: bool,
+) -> None:
+    """Check BSDF files: energy, reciprocity, missing and swapped sides, orientation, units, noise and colour.
 
-    Exits with 1 if any file violates energy conservation or reciprocity beyond tolerance, or cannot be read. Noise in
-    ray-traced data shows as a lack of reciprocity: raise the tolerance, or generate with more samples.
+    A violation breaks a law of physics or of the format, a warning is what may not be meant, a note is a guess. What
+    each finding is told by is in docs/check.md. Exits with 1 if a file has a violation, or cannot be read.
+
+    With --fix, what can be repaired is repaired in a copy, each repair is listed with a number before and after, and in
+    the copy's provenance; a file without such findings is copied as it is. Exits with 1 if the copy has a violation.
 
     \b
     Examples:
       bsdftree check blinds.xml
       bsdftree check --reciprocity 10 --json *.xml
+      bsdftree check window.xml --fix mended.xml
+      bsdftree check window.xml --fix mended.xml --only energy,units
     """
+    limits = {"energy": energy / 100, "reciprocity": reciprocity / 100, "noise": noise / 100}
+    if fix and len(files) != 1:
+        raise click.UsageError(f"--fix writes a copy of one file; found {len(files)}")
+    if not fix and kinds != MENDABLE:
+        raise click.UsageError("--only chooses what --fix repairs; add --fix OUT")
     results = []
     for path in files:
-        bands = read(path, repair).check(energy=energy / 100, reciprocity=reciprocity / 100)
-        results.append({"file": path, "ok": all(b.ok for b in bands), "bands": [asdict(b) for b in bands]})
+        bsdf, faults = _read(path)
+        found = _with_faults(bsdf.check(**limits), faults)
+        result = {"file": path, "ok": found.ok, **_as_json(found)}
         if not as_json:
-            _show(path, bands)
+            show(path, found)
+        if fix:
+            result["repaired"] = _repaired(path, bsdf, faults, fix, kinds, limits, as_json)
+        results.append(result)
     if as_json:
         print_json(results if len(results) > 1 else results[0])
-    if not all(result["ok"] for result in results):
+    if not all(result.get("repaired", result)["ok"] for result in results):
         sys.exit(1)
 
 
-def _show(path: str, bands: list[BandCheck]) -> None:
-    for band in bands:
-        stdout.print(f"[bold]{path}[/bold]  {band.band}", highlight=False)
-        energy = table("light from", ">reflected", ">transmitted", ">most", "at θ, φ")
-        for e in band.energy:
-            theta, phi = polar_from_direction([*e.at[:2], abs(e.at[2])])
-            side = "front (room)" if e.side == "front" else "back (outside)"
-            energy.add_row(
-                side,
-                f"{100 * e.reflected:.2f} %",
-                f"{100 * e.transmitted:.2f} %",
-                f"{100 * e.max:.2f} %",
-                f"{theta:.1f}°, {phi:.1f}°",
-            )
-        stdout.print(energy)
-        if band.reciprocity:
-            pairs = table("reciprocity error", ">mean by flux", ">largest")
-            for r in band.reciprocity:
-                pairs.add_row(r.part, f"{100 * r.mean:.2f} %", f"{100 * r.max:.1f} %")
-            stdout.print(pairs)
-        for finding in band.findings:
-            color = "red" if finding.severity == "violation" else "yellow"
-            stdout.print(f"[{color}]{finding.severity}[/{color}]: {finding.message}", highlight=False)
-        if band.ok:
-            stdout.print("[green]ok[/green]")
-        stdout.print()
+def _read(path: str) -> tuple[Bsdf, list[str]]:
+    """Read a BSDF, strictly if possible, and tell what had to be mended otherwise."""
+    try:
+        bsdf, faults = load(path), []
+    except ValueError:
+        # What can be mended no more than strictly says so again.
+        bsdf, faults = load(path, strict=False), _core.faults(os.fspath(path))
+    try:
+        bsdf.verify()
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    return bsdf, faults
+
+
+def _with_faults(found: Check, faults: list[str]) -> Check:
+    """Findings of the reader before those of the header."""
+    advice = "write it as the format has it"
+    read = (Finding("values", "violation", None, None, None, 1.0, fault, advice, True) for fault in faults)
+    return replace(found, findings=(*read, *found.findings))
+
+
+def _as_json(found: Check) -> dict[str, Any]:
+    return {"findings": [asdict(f) for f in found.findings], "bands": [asdict(band) for band in found.bands]}
+
+
+def _repaired(
+    path: str,
+    bsdf: Bsdf,
+    faults: list[str],
+    out: str,
+    kinds: tuple[str, ...],
+    limits: dict[str, float],
+    as_json: bool,
+) -> dict[str, Any]:
+    """Write the repaired copy, and say what was done."""
+    if faults and "values" not in kinds:
+        raise ValueError(f"{path}: {faults[0]}; it cannot be written as it is: add values to --only")
+    copy, mended = bsdf.repaired(kinds, **limits)
+    if faults:
+        read = [Mended("values", None, None, fault, "faults of the format", 1.0, 0.0) for fault in faults]
+        lines = [f"Repaired by: bsdftree check (read: {fault})" for fault in faults]
+        copy, mended = copy.with_header(provenance=[*copy.provenance, *lines]), [*read, *mended]
+    if mended or Path(path).suffix.lower() != Path(out).suffix.lower():
+        copy.save(out)
+    else:
+        _copy(path, out)
+    ok = copy.check(**limits).ok
+    if not as_json:
+        for m in mended:
+            band = f"{m.band}: " if m.band else ""
+            numbers = f"{m.measure} {m.before:.4g} → {m.after:.4g}"
+            stdout.print(f"[green]repaired[/green] {m.kind}: {printable(band + m.what)}: {numbers}", highlight=False)
+        what = f"{len(mended)} repairs" if mended else "nothing to repair: copied as it is"
+        stdout.print(f"{printable(out)}: {what}; {'ok' if ok else 'still in violation'}", highlight=False)
+    return {"file": out, "ok": ok, "mended": [asdict(m) for m in mended]}
+
+
+def _copy(path: str, out: str) -> None:
+    """Copy bit by bit, whole or not at all."""
+    target = Path(out)
+    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
+    try:
+        with open(path, "rb") as source, os.fdopen(handle, "wb") as file:
+            shutil.copyfileobj(source, file)
+        shutil.copymode(path, temporary)
+        os.replace(temporary, out)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise

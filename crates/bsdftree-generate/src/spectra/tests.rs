@@ -136,3 +136,22 @@ pub(crate) fn by_table(name: &str, f: impl Fn(f64) -> f64) -> f64 {
     let all = functionals();
     by_lines(&all.iter().find(|functional| functional.0 == name).expect("a functional").1, f)
 }
+
+/// The library's locus is that of the table: colours of single wavelengths lie on it, mixtures of two within.
+#[test]
+fn the_locus_of_the_library_is_that_of_the_observer() {
+    use bsdftree::{color::uv_from_xyz, locus::possible};
+    let beyond = |uv: [f64; 2]| {
+        let [u, v] = possible(uv);
+        (uv[0] - u).hypot(uv[1] - v)
+    };
+    let white = bsdftree::color::WHITE_UV;
+    for xyz in cie::COLOR_MATCHING {
+        let uv = uv_from_xyz(xyz);
+        assert!(beyond(uv) < 0.002, "{uv:?}");
+        let far = [white[0] + 1.03 * (uv[0] - white[0]), white[1] + 1.03 * (uv[1] - white[1])];
+        assert!(beyond(far) > 0.0, "{far:?}");
+        let mixture = std::array::from_fn(|k| xyz[k] + 0.3 * cie::COLOR_MATCHING[230][k]);
+        assert!(beyond(uv_from_xyz(mixture)) < 0.002);
+    }
+}

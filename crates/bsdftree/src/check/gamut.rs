@@ -69,7 +69,8 @@ pub(super) fn findings(gamuts: &[Gamut]) -> Vec<Finding> {
                 polar(g.at[0]),
                 polar(g.at[1]),
             );
-            let advice = "measure or generate it again, or move colours towards white until they are possible";
+            let advice =
+                "measure or generate it again, or move colours towards white until they are possible";
             let finding = Finding::new(Kind::Colour, Severity::Warning, message, advice);
             found.push(finding.of(g.part).at(g.at).by(g.impossible).mended_by(Repair::ClipColour));
         }
@@ -80,7 +81,9 @@ pub(super) fn findings(gamuts: &[Gamut]) -> Vec<Finding> {
                 g.part.file_name()
             );
             let advice = "nothing, unless the colour is not that of the device";
-            found.push(Finding::new(Kind::Colour, Severity::Note, message, advice).of(g.part).by(g.beyond_rgb));
+            found.push(
+                Finding::new(Kind::Colour, Severity::Note, message, advice).of(g.part).by(g.beyond_rgb),
+            );
         }
     }
     found

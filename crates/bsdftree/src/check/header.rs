@@ -16,7 +16,8 @@ pub(crate) fn mended_lengths(header: &Header) -> Option<[Option<f64>; 3]> {
     let mend = |length: Option<f64>, wrong: bool| if wrong { length.map(|l| l / 1000.0) } else { length };
     // A width of 1200 tells that a thickness of 0.8 beside it is one of 0.8 mm.
     let too_thick = over(thickness, MAX_THICKNESS) || too_wide;
-    (too_wide || too_thick).then(|| [mend(width, too_wide), mend(height, too_wide), mend(thickness, too_thick)])
+    (too_wide || too_thick)
+        .then(|| [mend(width, too_wide), mend(height, too_wide), mend(thickness, too_thick)])
 }
 
 /// What is to be said of the lengths.
@@ -28,8 +29,7 @@ pub(super) fn lengths(header: &Header) -> Vec<Finding> {
         shown.collect::<Vec<_>>().join(", ")
     };
     let given = [header.width, header.height, header.thickness];
-    let message =
-        format!("the header says {}: as if it meant millimetres, {}", shown(given), shown(mended));
+    let message = format!("the header says {}: as if it meant millimetres, {}", shown(given), shown(mended));
     let advice = "give the unit that the lengths are in";
     let largest = given.into_iter().flatten().fold(0.0, f64::max);
     let finding = Finding::new(Kind::Units, Severity::Warning, message, advice);

@@ -23,16 +23,17 @@ mod units;
 pub use energy::Energy;
 pub use gamut::Gamut;
 
+pub(crate) use energy::{energy, incident_directions};
+pub(crate) use header::{mended_lengths, nanometers};
 pub use motion::Motion;
 pub use noise::Noise;
 pub use reciprocity::Reciprocity;
-pub use symmetry::Symmetry;
-pub use units::Factor;
-pub(crate) use energy::{energy, incident_directions};
-pub(crate) use header::{mended_lengths, nanometers};
-pub(crate) use relation::peak_light;
 pub(crate) use reciprocity::can_be_symmetric;
 use reciprocity::reciprocity;
+pub(crate) use relation::peak_light;
+pub use symmetry::Symmetry;
+pub use units::Factor;
+pub(crate) use units::mean_cosine;
 
 use crate::bsdf::{Band, Bsdf, Part};
 use crate::direction::{Direction, Side};

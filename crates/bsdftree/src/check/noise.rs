@@ -146,7 +146,7 @@ fn in_node(tree: &Tree, slot: Slot, volume: f64, found: &mut Vec<(f64, f64)>, li
     let masks = (0..tree.rank().dimensions()).map(|axis| all ^ 1 << axis).chain([all]);
     // Of three axes, all but one are two: mixed second differences, which smooth functions have.
     for mask in masks.filter(|mask| mask.count_ones() >= 3) {
-        let sign = |k: usize| if (k & mask).count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |k: usize| if (k & mask).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
         let contrast: f64 = values.iter().enumerate().map(|(k, v)| sign(k) * v).sum();
         let n_masks = if children.len() == 16 { 5.0 } else { 1.0 };
         let deviation = relative(values, contrast / (values.len() as f64).sqrt());

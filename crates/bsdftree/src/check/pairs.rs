@@ -31,7 +31,8 @@ pub(super) fn draw(function: &Scattering, part: Part) -> Vec<Pair> {
         let exitant = part.exitant_side().direction_from_disk(disk);
         Some(Pair { incident, exitant, value, flux: lobe.total() })
     };
-    (0..N).filter_map(pair).collect()
+    // Not from 0, which is the normal: a border between cells.
+    (1..=N).filter_map(pair).collect()
 }
 
 /// |a − b|/(a + b): 0 of equals, 1 if one is black.

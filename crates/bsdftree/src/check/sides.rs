@@ -91,7 +91,8 @@ fn swapped(band: &Band, report: &BandReport, tolerance: f64) -> Option<Finding> 
     let mut other = band.clone();
     other.insert(Part::ReflectionFront, back?.clone());
     other.insert(Part::ReflectionBack, front?.clone());
-    let energies: Vec<_> = [Side::Front, Side::Back].into_iter().filter_map(|side| energy(&other, side)).collect();
+    let energies: Vec<_> =
+        [Side::Front, Side::Back].into_iter().filter_map(|side| energy(&other, side)).collect();
     let after = most(&energies);
     (after <= 1.0 + tolerance).then(|| {
         let message = format!(

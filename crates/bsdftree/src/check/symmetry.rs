@@ -76,8 +76,13 @@ pub(super) fn finding(symmetries: &[Symmetry]) -> Option<Finding> {
                 b.part.file_name(),
                 100.0 * b.top_bottom,
             );
-            let advice = "turn one of them: Bsdf.select(), then `bsdftree convert --rotate 90` and `bsdftree merge`";
-            Some(Finding::new(Kind::Orientation, Severity::Warning, message, advice).of(b.part).by(b.left_right))
+            let advice =
+                "turn one of them: Bsdf.select(), then `bsdftree convert --rotate 90` and `bsdftree merge`";
+            Some(
+                Finding::new(Kind::Orientation, Severity::Warning, message, advice)
+                    .of(b.part)
+                    .by(b.left_right),
+            )
         }
         (None, Some(b)) => {
             let message = format!(

@@ -35,9 +35,7 @@ fn too_much_energy_is_a_violation_with_its_direction() {
 fn one_way_scattering_is_a_violation() {
     let one_way = grid(|[a, b, ..]| if a * b > 9 { 0.3 } else { 0.01 });
     let found = findings(&bsdf(Part::ReflectionBack, one_way));
-    assert!(
-        found.iter().any(|f| f.severity == Severity::Violation && f.message.contains("not reciprocal"))
-    );
+    assert!(found.iter().any(|f| f.severity == Severity::Violation && f.message.contains("not reciprocal")));
 }
 
 #[test]

@@ -11,6 +11,8 @@ use super::{BandReport, Finding, Kind, Repair, Severity};
 use crate::bsdf::{Band, Part, Scattering};
 use crate::direction::Direction;
 use crate::klems::{Basis, Matrix};
+use crate::square::disk_from_square;
+use crate::tree::Position;
 
 /// What values were multiplied by: a function of the exitant direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,11 +50,17 @@ impl Factor {
         }
     }
 
-    /// For a direction that a function scatters to; `None` if its kind of data knows no such factor.
-    fn at(self, function: &Scattering, exitant: Direction) -> Option<f64> {
+    /// For a pair of directions that a function scatters from and to; `None` if its kind of data knows no such factor.
+    fn at(self, function: &Scattering, incident: Direction, exitant: Direction) -> Option<f64> {
         match (function, self) {
             (Scattering::Matrix(m), _) => Some(self.of_patch(m.exitant(), m.exitant().patch(exitant))),
-            (Scattering::Tree(_), Factor::Cosine) => Some(exitant[2].abs()),
+            (Scattering::Tree(tree), Factor::Cosine) => {
+                let position = Position::new(tree.rank(), incident, exitant);
+                let (_, level) = tree.leaf_at(position);
+                let cell = position.corner(level).map(|c| c as u32);
+                let first = tree.rank().dimensions() - 2;
+                Some(mean_cosine(level, [cell[first], cell[first + 1]]))
+            }
             (Scattering::Tree(_), _) => None,
         }
     }
@@ -110,15 +118,16 @@ fn explained(band: &Band, factor: Factor) -> Option<[f64; 2]> {
         if pairs.is_empty() {
             continue;
         }
-        let deviation = |factor: &dyn Fn(&Scattering, Direction) -> f64| {
+        let deviation = |factor: &dyn Fn(&Scattering, Direction, Direction) -> f64| {
             mean(&pairs, |pair: &Pair| {
-                let value = pair.value / factor(forward, pair.exitant);
-                difference(value, reversed_value(pair, backward) / factor(backward, pair.incident))
+                let [i, o] = [pair.incident, pair.exitant];
+                let value = pair.value / factor(forward, i, o);
+                difference(value, reversed_value(pair, backward) / factor(backward, o, i))
             })
         };
-        factor.at(forward, pairs[0].exitant)?;
-        let before = deviation(&|_, _| 1.0);
-        let after = deviation(&|function, exitant| factor.at(function, exitant).unwrap_or(1.0));
+        factor.at(forward, pairs[0].incident, pairs[0].exitant)?;
+        let before = deviation(&|_, _, _| 1.0);
+        let after = deviation(&|function, i, o| factor.at(function, i, o).unwrap_or(1.0));
         if after > 0.5 * before + 0.001 {
             return None;
         }
@@ -147,4 +156,16 @@ fn sums_are_totals(function: &Scattering) -> bool {
 fn plain_sums(matrix: &Matrix) -> Vec<f64> {
     let rows = matrix.values().chunks_exact(matrix.exitant().n_patches());
     rows.map(|row| row.iter().map(|&f| f64::from(f)).sum()).collect()
+}
+
+/// The mean cosine over a cell of the exitant square.
+pub(crate) fn mean_cosine(level: u32, cell: [u32; 2]) -> f64 {
+    const N: u32 = 4;
+    let edge = 0.5f64.powi(level as i32);
+    let at = |c: u32, k: u32| (f64::from(c) + (f64::from(k) + 0.5) / f64::from(N)) * edge;
+    let cosine = |k: u32| {
+        let [x, y] = disk_from_square([at(cell[0], k / N), at(cell[1], k % N)]);
+        (1.0 - x * x - y * y).max(0.0).sqrt()
+    };
+    (0..N * N).map(cosine).sum::<f64>() / f64::from(N * N)
 }

@@ -115,10 +115,10 @@ impl Factors {
             for level in (0..log2).rev() {
                 let n = 1usize << level;
                 let below = &levels[levels.len() - 1];
-                let child = |k: usize, dx: usize, dy: usize| below[(2 * (k / n) + dx) * 2 * n + 2 * (k % n) + dy];
-                let merged = |k| {
-                    both(both(child(k, 0, 0), child(k, 0, 1)), both(child(k, 1, 0), child(k, 1, 1)))
-                };
+                let child =
+                    |k: usize, dx: usize, dy: usize| below[(2 * (k / n) + dx) * 2 * n + 2 * (k % n) + dy];
+                let merged =
+                    |k| both(both(child(k, 0, 0), child(k, 0, 1)), both(child(k, 1, 0), child(k, 1, 1)));
                 levels.push((0..n * n).map(merged).collect());
             }
             levels.reverse();

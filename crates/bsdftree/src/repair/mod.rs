@@ -121,9 +121,9 @@ fn apply(band: &mut Band, repair: Repair, part: Option<Part>) -> bool {
         Repair::Move { motion, reverse: false } => {
             replaced(band, &|component| each(component, |f| Some(motion.moved(f))))
         }
-        Repair::Move { motion, reverse: true } => replaced(band, &|component| {
-            each(component, |f| Some(motion.moved(&reciprocal::reversed(f)?)))
-        }),
+        Repair::Move { motion, reverse: true } => {
+            replaced(band, &|component| each(component, |f| Some(motion.moved(&reciprocal::reversed(f)?))))
+        }
         Repair::SwapReflections => {
             let [front, back] = [Part::ReflectionFront, Part::ReflectionBack];
             let (Some(a), Some(b)) = (band.component(front).cloned(), band.component(back).cloned()) else {

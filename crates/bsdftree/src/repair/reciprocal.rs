@@ -47,7 +47,9 @@ pub(super) fn symmetrize(band: &mut Band, part: Part) -> bool {
 pub(super) fn add_reverse(band: &mut Band, part: Part) -> bool {
     let Some((other, true)) = band.answering(part.incident_side(), part.exitant_side()) else { return false };
     let made = paired(other, other, &|f, _| match f {
-        Scattering::Tree(tree) if tree.rank() == Rank::Three => Some(isotropic(tree, &|i, o| f.eval(i, o, true))),
+        Scattering::Tree(tree) if tree.rank() == Rank::Three => {
+            Some(isotropic(tree, &|i, o| f.eval(i, o, true)))
+        }
         _ => reversed(f),
     });
     made.map(|component| band.insert(part, component)).is_some()
@@ -103,9 +105,8 @@ fn isotropic(like: &Tree, f: &dyn Fn(Direction, Direction) -> f64) -> Scattering
         for k in 0..N * N {
             // Each sixteenth of each axis once.
             let inside = [(k * 7 + 3) % (N * N), k, (k % N) * N + k / N];
-            let at = |axis: usize| {
-                (corner[axis] as f64 + (inside[axis] as f64 + 0.5) / (N * N) as f64) / n as f64
-            };
+            let at =
+                |axis: usize| (corner[axis] as f64 + (inside[axis] as f64 + 0.5) / (N * N) as f64) / n as f64;
             let incident = Side::Front.direction_from_disk([-(1.0 - 2.0 * at(0)), 0.0]);
             sum += f(incident, Side::Front.direction_from_disk(disk_from_square([at(1), at(2)])));
         }

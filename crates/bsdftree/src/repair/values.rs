@@ -1,9 +1,8 @@
 //! Values that were multiplied by something.
 
 use crate::bsdf::{Band, Component, Part, Scattering};
-use crate::check::Factor;
+use crate::check::{Factor, mean_cosine};
 use crate::klems::Matrix;
-use crate::square::disk_from_square;
 use crate::tree::{Arena, Content, Rank, Slot, Tree, TreeBuilder, child_cell};
 
 /// Functions of light: Y of trees, whose colour is a ratio; X, Y and Z of matrices.
@@ -77,16 +76,4 @@ pub(super) fn divided(component: &Component, factor: Factor) -> Component {
             mapped_patches(matrix, |_, o, value| value / factor.of_patch(basis, o)).into()
         }
     })
-}
-
-/// The mean cosine over a cell of the exitant square.
-fn mean_cosine(level: u32, cell: [u32; 2]) -> f64 {
-    const N: u32 = 4;
-    let edge = 0.5f64.powi(level as i32);
-    let at = |c: u32, k: u32| (f64::from(c) + (f64::from(k) + 0.5) / f64::from(N)) * edge;
-    let cosine = |k: u32| {
-        let [x, y] = disk_from_square([at(cell[0], k / N), at(cell[1], k % N)]);
-        (1.0 - x * x - y * y).max(0.0).sqrt()
-    };
-    (0..N * N).map(cosine).sum::<f64>() / f64::from(N * N)
 }

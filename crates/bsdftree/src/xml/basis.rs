@@ -70,8 +70,16 @@ fn basis(node: Node<'_>, repairs: &mut Repairs) -> Result<Basis, XmlError> {
     if name.len() > MAX_NAME {
         return Err(XmlError::new(node.offset(), Fault::Limit { what: "bytes in a name", limit: MAX_NAME }));
     }
-    let rings =
+    let mut rings =
         node.all("AngleBasisBlock").map(|block| ring(block, repairs)).collect::<Result<Vec<_>, _>>()?;
+    // π/2, however rounded; no basis ends there in degrees.
+    if let Some(end) = rings.last().map(|ring| ring.bounds_deg[1]).filter(|end| (1.5..=1.6).contains(end)) {
+        let found = format!("the basis {name} ends at {end}, which is 90° in radians");
+        repairs.repair(node.offset(), found, "its angles taken as radians")?;
+        // Rounded to a hundredth of a degree, since files round radians.
+        let degrees = |angle: f64| (100.0 * angle.to_degrees()).round() / 100.0;
+        rings.iter_mut().for_each(|ring| ring.bounds_deg = ring.bounds_deg.map(degrees));
+    }
     let refused = |problem| XmlError::new(node.offset(), Fault::Basis { name: name.clone(), problem });
     Basis::new(name.clone(), rings).map_err(refused)
 }
