@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bsdftree
-from bsdftree import Bsdf, Tree, direction_from_polar, generate
+from bsdftree import Bsdf, Device, Tree, direction_from_polar, generate
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +35,41 @@ def test_results_have_the_shape_of_what_was_asked(blinds):
     assert blinds.sample(i[0], np.zeros(7)).pdf.shape == (7,)
     assert blinds.sample(i[0], np.zeros((7, 2))).pdf.shape == (7,)
     assert blinds.eval(np.empty((0, 3)), np.empty((0, 3))).shape == (0,)
+
+
+def test_smooth_answers_fit_together_and_keep_the_leaves(blinds, rng):
+    smooth = blinds.smooth()
+    assert smooth.is_smooth and not blinds.is_smooth
+    i = direction_from_polar(rng.uniform(0, 180, 500), rng.uniform(0, 360, 500))
+    s = smooth.sample(i, rng.random((500, 2)))
+    np.testing.assert_allclose(smooth.pdf(i, s.exitant), s.pdf, rtol=1e-8)
+    np.testing.assert_allclose(smooth.hemispherical(i), s.weight, rtol=1e-12)
+    value = smooth.eval(i, s.exitant)
+    np.testing.assert_allclose(value * abs(s.exitant[:, 2]) / s.pdf, s.weight, rtol=1e-8)
+    assert (value != blinds.eval(i, s.exitant)).mean() > 0.5
+    for name, tree in blinds.components.items():
+        np.testing.assert_array_equal(smooth.components[name].to_grid(), tree.to_grid())
+
+
+def test_smooth_needs_a_tree(blinds):
+    with pytest.raises(ValueError, match="tensor trees"):
+        blinds.to_klems("quarter").smooth()
+
+
+def test_samples_have_weights_of_the_colour_they_meet(rng):
+    red = """void plastic red 0 0 5 .6 .2 .1 .02 .2
+    red polygon sheet 0 0 12 0 0 0 1 0 0 1 1 0 0 1 0"""
+    shade = generate(Device.parse(red), log2_res=3, samples=64, color=True)
+    i = direction_from_polar(rng.uniform(0, 80, 50), rng.uniform(0, 360, 50))
+    u = rng.random(50)
+    luminance, color = shade.sample(i, u), shade.sample(i, u, color=True)
+    np.testing.assert_array_equal(luminance.exitant, color.exitant)
+    np.testing.assert_allclose(color.weight[:, 1], luminance.weight, rtol=1e-6)
+    expected = shade.eval(i, color.exitant, color=True) * abs(color.exitant[:, 2:]) / color.pdf[:, None]
+    np.testing.assert_allclose(color.weight, expected, rtol=1e-12)
+    assert (color.weight[:, 0] > color.weight[:, 2]).all()
+    night = bsdftree.Bsdf.from_trees({"reflection_back": Tree.from_grid(np.zeros((2, 2, 2)))})
+    assert (night.sample(i, u, color=True).weight == 0).all()
 
 
 def test_vectors_of_any_length_are_directions(blinds):

@@ -180,6 +180,11 @@ def test_eval_prints_what_python_returns(run, data):
     assert len(lines) == 2 and float(lines[0]) == pytest.approx(value, rel=1e-6)
     row = json.loads(run("eval", "--json", "--pdf", "--color", path, 30, 90, 150, 270).stdout)[0]
     assert row["xyz"] == [value] * 3 and row["pdf"] > 0
+    smooth = float(run("eval", "--smooth", path, 30, 90, 150, 270).stdout)
+    ramps = b.smooth()
+    assert smooth == pytest.approx(
+        float(ramps.eval(bsdftree.direction_from_polar(30, 90), bsdftree.direction_from_polar(150, 270))), rel=1e-6
+    )
     bad = run("eval", path, input="1 2 3\n")
     assert bad.exit_code == 1 and "line 1" in bad.output
 

@@ -29,7 +29,7 @@ class Sample(NamedTuple):
     exitant
         Unit vectors, (..., 3). Meaningless where ``pdf`` is 0.
     weight
-        BSDF x |cos θ_exitant| / pdf, (...); 0 where the BSDF is black.
+        BSDF x |cos θ_exitant| / pdf, (...), or as X, Y, Z (..., 3); 0 where the BSDF is black.
     pdf
         Density of ``exitant`` [1/sr of solid angle], (...).
     """
@@ -467,7 +467,39 @@ class Bsdf:
             return self._core.eval_xyz(band, i, o).reshape(*shape, 3)
         return self._core.eval(band, i, o).reshape(shape)
 
-    def sample(self, incident: ArrayLike, u: ArrayLike, *, part: Part = "all", band: str = "Visible") -> Sample:
+    def smooth(self) -> Bsdf:
+        """Return the BSDF with ramps instead of steps in the leaves of its trees.
+
+        Inside a leaf the values then go up and down as those around it suggest; the mean over every leaf stays what it
+        is, so that no light is gained or lost, and nothing is negative. ``eval``, ``sample``, ``pdf`` and
+        ``hemispherical`` fit together as before. A function that the tree resolves is met several times better; a peak
+        narrower than a leaf stays a block. Matrices and colour (u′, v′) stay constant over their cells. What is saved,
+        converted or turned are the leaves, without ramps.
+
+        Raises
+        ------
+        ValueError
+            If there is no tree.
+
+        Examples
+        --------
+        >>> x = (np.arange(8) + 0.5) / 8
+        >>> b = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.broadcast_to(x, (8, 8, 8, 8)))})
+        >>> from bsdftree import direction_from_polar
+        >>> o = direction_from_polar([20, 25, 30], 90)
+        >>> b.eval([0, 0, 1], o).round(3), b.smooth().eval([0, 0, 1], o).round(3)
+        (array([0.688, 0.688, 0.812]), array([0.671, 0.711, 0.75 ]))
+        """
+        return Bsdf(self._core.smooth())
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether there are ramps in the leaves of its trees: :meth:`smooth`."""
+        return self._core.is_smooth
+
+    def sample(
+        self, incident: ArrayLike, u: ArrayLike, *, part: Part = "all", color: bool = False, band: str = "Visible"
+    ) -> Sample:
         """Directions chosen in proportion to BSDF x |cos θ_exitant|.
 
         Parameters
@@ -479,6 +511,8 @@ class Bsdf:
             (n, 2). One number runs along a Hilbert curve: stratified numbers give stratified directions.
         part
             ``"all"``, ``"reflection"`` or ``"transmission"``.
+        color
+            Whether the weights are CIE X, Y, Z instead of Y. Directions are chosen by Y all the same.
         band
             Spectral band.
 
@@ -508,6 +542,10 @@ class Bsdf:
         columns = [numbers[..., k] for k in range(2)] if two else [numbers]
         flat = [np.ascontiguousarray(np.broadcast_to(c, full).reshape(-1)) for c in columns]
         exitant, weight, pdf = self._core.sample(band, i, flat[0], flat[1] if two else None, part)
+        if color:
+            share = np.divide(np.abs(exitant[:, 2]), pdf, out=np.zeros_like(pdf), where=pdf > 0)
+            weight = self._core.eval_xyz(band, i, exitant) * share[:, None]
+            return Sample(exitant.reshape(*full, 3), weight.reshape(*full, 3), pdf.reshape(full))
         return Sample(exitant.reshape(*full, 3), weight.reshape(full), pdf.reshape(full))
 
     def pdf(self, incident: ArrayLike, exitant: ArrayLike, *, part: Part = "all", band: str = "Visible") -> Array:

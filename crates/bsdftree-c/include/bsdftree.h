@@ -19,7 +19,7 @@
  *   Radiance's BSDF library          here
  *   SDloadFile, SDfreeBSDF           bsdftree_load, bsdftree_free
  *   SDevalBSDF                       bsdftree_eval, bsdftree_eval_xyz
- *   SDsampBSDF                       bsdftree_sample, with its density: bsdftree_pdf
+ *   SDsampBSDF                       bsdftree_sample, with its density: bsdftree_pdf; its colour: bsdftree_eval_xyz * |cos| / pdf
  *   SDdirectHemi                     bsdftree_hemispherical
  *   SDsizeBSDF                       bsdftree_projected_solid_angle, bsdftree_projected_solid_angle_range
  *   SDmultiSamp                      numbers of yours: stratified ones give stratified directions
@@ -48,6 +48,10 @@ typedef enum bsdftree_status {
 
 /* What bsdftree_load does with a file that has something wrong which can be mended (0: refuses it). */
 #define BSDFTREE_REPAIR 1u
+
+/* Ramps in the leaves of trees instead of steps: what goes up and down between cells does so inside them, the mean over each leaf is
+   kept. Values, samples, densities and totals fit together as before. Matrices and colour stay constant over their cells. */
+#define BSDFTREE_SMOOTH 2u
 
 /* Exitant sides that a query is about: that of the light, the other one, or both. */
 typedef enum bsdftree_lobes {

@@ -13,6 +13,8 @@ use bsdftree::{Band, Bsdf, Direction, Lobes, Sample};
 
 /// `BSDFTREE_REPAIR`.
 const REPAIR: c_uint = 1;
+/// `BSDFTREE_SMOOTH`.
+const SMOOTH: c_uint = 2;
 
 /// `bsdftree_status`.
 #[repr(C)]
@@ -85,7 +87,7 @@ pub unsafe extern "C" fn bsdftree_load(
             }
             let path = CStr::from_ptr(path).to_str();
             let path = path.map_err(|e| (Status::Argument, format!("the path is not UTF-8: {e}")))?;
-            file::read(path, strictness(flags)).map_err(refused)
+            file::read(path, strictness(flags)).map(|(bsdf, _)| ramped(bsdf, flags)).map_err(refused)
         })
     }
 }
@@ -109,13 +111,20 @@ pub unsafe extern "C" fn bsdftree_load_memory(
             if bytes.is_null() {
                 return Err((Status::Argument, "the bytes are NULL".to_owned()));
             }
-            file::read_bytes(slice::from_raw_parts(bytes.cast(), n_bytes), strictness(flags)).map_err(refused)
+            let bytes = slice::from_raw_parts(bytes.cast(), n_bytes);
+            file::read_bytes(bytes, strictness(flags)).map(|(bsdf, _)| ramped(bsdf, flags)).map_err(refused)
         })
     }
 }
 
 fn strictness(flags: c_uint) -> Strictness {
     if flags & REPAIR != 0 { Strictness::Repair } else { Strictness::Strict }
+}
+
+/// With ramps in the leaves of its trees, if that is wanted.
+fn ramped(bsdf: Bsdf, flags: c_uint) -> Bsdf {
+    let smooth = if flags & SMOOTH != 0 { bsdf.smooth() } else { None };
+    smooth.unwrap_or(bsdf)
 }
 
 fn refused(error: FileError) -> (Status, String) {
@@ -127,11 +136,11 @@ fn refused(error: FileError) -> (Status, String) {
 ///
 /// # Safety
 /// `out` is NULL or may be written; `message` is NULL or has room for `size` bytes.
-unsafe fn finish<R>(
+unsafe fn finish(
     out: *mut *mut Bsdf,
     message: *mut c_char,
     size: usize,
-    read: impl FnOnce() -> Result<(Bsdf, R), (Status, String)>,
+    read: impl FnOnce() -> Result<Bsdf, (Status, String)>,
 ) -> Status {
     // SAFETY: the function's contract.
     unsafe {
@@ -142,7 +151,7 @@ unsafe fn finish<R>(
         *out = std::ptr::null_mut();
         let read = catch_unwind(AssertUnwindSafe(read));
         let problem = match read {
-            Ok(Ok((bsdf, _))) => {
+            Ok(Ok(bsdf)) => {
                 *out = Box::into_raw(Box::new(bsdf));
                 tell("", message, size);
                 return Status::Ok;

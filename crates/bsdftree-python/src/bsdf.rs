@@ -138,6 +138,21 @@ impl Bsdf {
         py.detach(|| self.bsdf.verify()).map_err(value_error)
     }
 
+    /// With ramps in the leaves of its trees.
+    fn smooth(&self, py: Python<'_>) -> PyResult<Bsdf> {
+        let bsdf = py.detach(|| self.bsdf.smooth()).ok_or_else(|| {
+            PyValueError::new_err(
+                "smooth() is for tensor trees, and there is none; convert matrices by to_tree() first",
+            )
+        })?;
+        Ok(Bsdf { bsdf, repairs: self.repairs.clone() })
+    }
+
+    #[getter]
+    fn is_smooth(&self) -> bool {
+        self.bsdf.is_smooth()
+    }
+
     #[getter]
     fn repairs(&self) -> Vec<String> {
         self.repairs.clone()

@@ -283,6 +283,26 @@ impl Bsdf {
         &mut self.bands[index]
     }
 
+    /// The same BSDF, whose luminance trees answer with ramps in their leaves instead of steps ([`Tree::smooth`]): values, samples,
+    /// densities and totals. Matrices, u′ and v′ stay constant over their cells, so that the light of each colour is kept too, and what is
+    /// written to a file stays what it is. `None` if it has no tree.
+    pub fn smooth(&self) -> Option<Bsdf> {
+        let mut bsdf = self.clone();
+        let components = bsdf.bands.iter_mut().flat_map(|band| band.components.iter_mut().flatten());
+        for component in components {
+            if let Scattering::Tree(tree) = &component.luminance {
+                component.luminance = tree.smooth().into();
+            }
+        }
+        bsdf.is_smooth().then_some(bsdf)
+    }
+
+    /// Whether it answers with ramps in the leaves of its trees.
+    pub fn is_smooth(&self) -> bool {
+        let mut components = self.bands.iter().flat_map(Band::components);
+        components.any(|(_, c)| matches!(&c.luminance, Scattering::Tree(tree) if tree.is_smooth()))
+    }
+
     /// Looks through all values of a file that was opened without doing so ([`binary::open`](crate::binary::open)). Queries answer
     /// in any case; where links of a tree are damaged, sums and samples are black.
     ///

@@ -208,6 +208,33 @@ fn black_directions_have_no_density_and_no_weight() {
 }
 
 #[test]
+fn stratified_numbers_give_more_even_directions_than_random_ones() {
+    let mut random = Random(9);
+    let band = band(Part::ReflectionBack, random_tree(Rank::Four, 5, &mut random).into());
+    let incident = random.direction();
+    let caps: Vec<_> = (0..100).map(|_| (random.direction(), 0.5 + 0.4 * random.unit())).collect();
+    let mut shares = |n: usize, stratified: bool| {
+        let mut shares = vec![0.0; caps.len()];
+        for k in 0..n {
+            let u = if stratified { (k as f64 + random.unit()) / n as f64 } else { random.unit() };
+            let [x, y, z] = band.sample(incident, u, None, Lobes::All).exitant;
+            for (share, ([a, b, c], cos)) in shares.iter_mut().zip(&caps) {
+                *share += if x * a + y * b + z * c > *cos { 1.0 / n as f64 } else { 0.0 };
+            }
+        }
+        shares
+    };
+    let exact = shares(1 << 18, true);
+    let mut error = |stratified: bool| -> f64 {
+        (0..20)
+            .map(|_| shares(4096, stratified).iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>())
+            .sum()
+    };
+    let (of_random, of_strata) = (error(false).sqrt(), error(true).sqrt());
+    assert!(of_random > 3.0 * of_strata, "{of_random} {of_strata}");
+}
+
+#[test]
 fn threads_see_the_same_samples() {
     let mut random = Random(7);
     let mut band = band(Part::TransmissionFront, random_tree(Rank::Three, 5, &mut random).into());

@@ -35,6 +35,7 @@ def _letters(_context: click.Context, _parameter: click.Parameter, value: str) -
 )
 @click.option("--color", is_flag=True, help="Print CIE X, Y, Z instead of Y.")
 @click.option("--pdf", is_flag=True, help="Print the density [1/sr] of sampling the exitant direction as well.")
+@click.option("--smooth", is_flag=True, help="Ramps in the leaves of trees instead of steps.")
 @click.option("--band", default="Visible", show_default=True, help="Spectral band.")
 @repair_option
 @json_option
@@ -46,6 +47,7 @@ def eval_(
     letters: tuple[str, str],
     color: bool,
     pdf: bool,
+    smooth: bool,
     band: str,
     repair: bool,
     as_json: bool,
@@ -73,6 +75,7 @@ def eval_(
         raise click.UsageError(f"--json is text; -f asks for {letters[1]}")
     given = iter([np.array(numbers).reshape(-1, width)]) if numbers else blocks(letters[0], vectors)
     bsdf = read(file, repair)
+    bsdf = bsdf.smooth() if smooth else bsdf
     rows: list[dict[str, Any]] = []
     n_pairs = 0
     for pairs in given:

@@ -51,6 +51,7 @@ _ONLY_FOR = {
     "--range", "limits", type=(float, float), metavar="MIN MAX", help="Colour scale [1/sr] of whole and hemisphere."
 )
 @click.option("--linear", is_flag=True, help="Linear instead of logarithmic radius of polar.")
+@click.option("--smooth", is_flag=True, help="Ramps in the leaves of trees instead of steps.")
 @click.option("--title", help="Heading. [default: the product's name, or FILE's]")
 @click.option("--dpi", type=click.IntRange(20, 1200), default=100, show_default=True, help="Pixels per inch.")
 @click.option("--show", is_flag=True, help="Open the picture in the system's viewer.")
@@ -66,6 +67,7 @@ def plot(
     layout: str | None,
     limits: tuple[float, float] | None,
     linear: bool,
+    smooth: bool,
     title: str | None,
     dpi: int,
     show: bool,
@@ -107,6 +109,7 @@ def plot(
     if target.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise click.UsageError(f"-o {target}: ending {target.suffix!r}; expected .png, .svg or .pdf")
     bsdf = read(file, repair)
+    bsdf = bsdf.smooth() if smooth else bsdf
     common: dict[str, Any] = {"band": band, "title": title or bsdf.name or Path(file).stem}
     figure: Figure
     if kind == "whole":

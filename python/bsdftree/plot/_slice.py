@@ -1,4 +1,4 @@
-"""Values of a BSDF along the plane of incidence, as the steps that they are.
+"""Values of a BSDF along the plane of incidence, as the steps that they are, or the ramps if it is smooth.
 
 Angles in the plane are measured at the surface from the front normal (+Z), positive to where the light heads: ±90° lie
 in the surface, ±180° is the back normal. Mirrored light from polar angle θ lies at θ.
@@ -21,9 +21,9 @@ _CHORD_DEG = 0.5
 
 
 def step_curve(bsdf: Bsdf, theta_deg: float, phi_deg: float, band: str) -> tuple[Array, Array]:
-    """Angle in the plane [degree] and BSDF [1/sr] along it, with two points at each edge between cells.
+    """Angle in the plane [degree] and BSDF [1/sr] along it.
 
-    Edges are found to 1e-6 degree by bisection.
+    Steps have two points at each edge between cells; edges are found to 1e-6 degree by bisection.
     """
     incident = direction_from_polar(theta_deg, phi_deg)
 
@@ -35,6 +35,8 @@ def step_curve(bsdf: Bsdf, theta_deg: float, phi_deg: float, band: str) -> tuple
         180.0 - 0.5 * _SCAN_DEG
     )  # never exactly in the surface or along a normal
     values = value(scan)
+    if bsdf.is_smooth:
+        return scan, values
     before = np.flatnonzero(values[1:] != values[:-1])
     lower, upper, left = scan[before], scan[before + 1], values[before]
     while lower.size and upper[0] - lower[0] > 1e-6:

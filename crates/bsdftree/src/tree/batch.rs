@@ -12,7 +12,7 @@ use crate::tree::arena::{Arena, Content, Rank, Slot};
 use crate::tree::cache::SliceRef;
 use crate::tree::coordinates::{QUANTUM_BITS, azimuth, quantized, rank3_coordinate, turned};
 use crate::tree::slice::{Place, Slice, area};
-use crate::tree::smooth::Smooth;
+use crate::tree::smooth::{self, Smooth};
 
 /// Pairs in a block.
 const BLOCK: usize = 32;
@@ -425,13 +425,16 @@ impl Tree {
         assert_eq!(incident.len(), sampled.len(), "a sample for each incident direction");
         match (self.rank(), reversed) {
             (Rank::Four, true) => self.reversed().sample_many(incident, false, u, v, sampled),
-            _ if reversed || self.is_smooth() => {
+            (Rank::Three, true) => {
                 for (k, sampled) in sampled.iter_mut().enumerate() {
-                    let found = self.lobe(incident[k], reversed).sample(u[k], v.map(|v| v[k]));
+                    let found = self.lobe(incident[k], true).sample(u[k], v.map(|v| v[k]));
                     *sampled = found.unwrap_or_default();
                 }
             }
-            _ => self.sample_forward(incident, u, v, sampled),
+            _ => match &self.smooth {
+                None => self.sample_forward(incident, u, v, sampled),
+                Some(smooth) => self.sample_smooth(smooth, incident, u, v, sampled),
+            },
         }
     }
 
@@ -474,6 +477,43 @@ impl Tree {
                 }
             }
             out.iter_mut().zip(points.into_iter().zip(values)).for_each(|(out, sampled)| *out = sampled);
+        }
+    }
+
+    /// In blocks too, so that the memory of one sample is waited for together with that of the others.
+    fn sample_smooth(
+        &self,
+        smooth: &Smooth,
+        incident: &[Direction],
+        u: &[f64],
+        v: Option<&[f64]>,
+        sampled: &mut [([f64; 2], f64)],
+    ) {
+        let arena = self.arena();
+        for (index, out) in sampled.chunks_mut(BLOCK).enumerate() {
+            let range = index * BLOCK..index * BLOCK + out.len();
+            let (incident, u) = (&incident[range.clone()], &u[range.clone()]);
+            let v = v.map(|v| &v[range]);
+            let n = out.len();
+            let places: [[u64; 2]; BLOCK] =
+                std::array::from_fn(|k| self.incident_coordinates(incident[k.min(n - 1)]));
+            places.iter().for_each(|&place| smooth.ask(arena, place));
+            let slices = places.map(|place| smooth.slice(arena, place));
+            slices.iter().for_each(|slice| ask(&raw const **slice));
+            let lit = |k: &usize| !slices[*k].is_black();
+            (0..n).filter(lit).for_each(|k| ask(slices[k].guide(u[k])));
+            (0..n).filter(lit).for_each(|k| slices[k].ask(*slices[k].guide(u[k])));
+            let mut points = [([0.5; 2], 0.0); BLOCK];
+            for k in (0..n).filter(lit) {
+                let within = smooth::within(arena, places[k]);
+                let begin = *slices[k].guide(u[k]);
+                points[k] = slices[k].sample_from(begin, places[k], within, u[k], v.map(|v| v[k]));
+            }
+            for (k, (square, value)) in points[..n].iter().enumerate() {
+                let disk = disk_from_square(*square);
+                let is_turned = self.rank() == Rank::Three;
+                out[k] = (if is_turned { turned(disk, azimuth(incident[k])) } else { disk }, *value);
+            }
         }
     }
 

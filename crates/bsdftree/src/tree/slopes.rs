@@ -7,7 +7,7 @@
 //! A slope is that between the values on both sides, no steeper than twice the flatter side and none where the leaf is higher or lower
 //! than both: B. van Leer, "Towards the ultimate conservative difference scheme IV", Journal of Computational Physics 23, 1977,
 //! section 4 (the monotonised central difference). So a peak of one cell stays what it is. Deviations: of finer neighbours the mean over
-//! a cell of the leaf's own size is taken, of a coarser one what its own slopes of the round before give in such a cell; and at the border
+//! a cell of the leaf's own size is taken, or over its near half if that makes the slope flatter; of a coarser one what its own slopes of the round before give in such a cell; and at the border
 //! of the domain, where there is one side only, half the slope to it: BSDFs bend there more than elsewhere.
 
 use crate::tree::arena::{Arena, Content, MAX_LOG2_RES, Rank, Slot};
@@ -147,16 +147,16 @@ impl Fit<'_> {
     fn leaf(&self, value: f64, path: &[u32], at: [u32; 4]) -> [f32; 4] {
         let mut rises = [0.0; 4];
         for (axis, rise) in rises[..self.arena.rank().dimensions()].iter_mut().enumerate() {
-            let [below, above] = [-1, 1].map(|step| self.beside(path, at, axis, step));
-            *rise = limited(below.map(|below| value - below), above.map(|above| above - value));
+            let [below, above] = [-1, 1].map(|step| self.difference(value, path, at, axis, step));
+            *rise = limited(below.map(|below| -below), above);
         }
         let steepest: f64 = rises.iter().map(|rise| rise.abs()).sum();
         let share = if steepest > value { value / steepest } else { 1.0 };
         rises.map(|rise| (rise * share) as f32)
     }
 
-    /// The mean of the cell beside one of the same size, to which a path leads; `None` behind the border of the domain.
-    fn beside(&self, path: &[u32], at: [u32; 4], axis: usize, step: i32) -> Option<f64> {
+    /// How much higher the cell beside a leaf is, which is as large and to which a path leads; `None` behind the border of the domain.
+    fn difference(&self, value: f64, path: &[u32], at: [u32; 4], axis: usize, step: i32) -> Option<f64> {
         let level = path.len();
         // Of rank 3 only the lower half of dimension 0 is used.
         let is_half = axis == 0 && self.arena.rank() == Rank::Three;
@@ -170,11 +170,25 @@ impl Fit<'_> {
             let child = (0..4).fold(0, |child, i| child | (beside[i] as usize >> below & 1) << i);
             let slot = self.slot(node, child);
             match self.arena.slots()[slot].content() {
-                Content::Leaf(value) => return Some(self.inside(value, slot, below, beside)),
+                Content::Leaf(found) => return Some(self.inside(found, slot, below, beside) - value),
                 Content::Node(next) => node = next,
             }
         }
-        Some(self.means[node as usize])
+        // The half of it that touches the leaf is at three quarters of the distance.
+        let far = self.means[node as usize] - value;
+        let near = (self.half(node, axis, usize::from(step < 0)) - value) / 0.75;
+        Some(if far * near <= 0.0 { 0.0 } else { near.abs().min(far.abs()).copysign(near) })
+    }
+
+    /// The mean over one half of a node along an axis.
+    fn half(&self, node: u32, axis: usize, side: usize) -> f64 {
+        let children = self.arena.children(node);
+        let halves = children.iter().enumerate().filter(|(k, _)| k >> axis & 1 == side);
+        let means = halves.map(|(_, child)| match child.content() {
+            Content::Leaf(value) => f64::from(value),
+            Content::Node(node) => self.means[node as usize],
+        });
+        means.sum::<f64>() / (children.len() / 2) as f64
     }
 
     /// What a leaf has in the middle of a cell that is so many levels finer.

@@ -2,13 +2,15 @@
 //!
 //! In: directions as quantised coordinates. For one incident direction the leaves are again walked along the Hilbert curve; what a leaf
 //! weighs grows linearly across the incident cell, so that three cumulative sums for each (in the middle of the finest incident cell, and
-//! what it gains along both its axes) give the exact one for any direction in it. The sum is searched by halving. Inside the leaf the
+//! what it gains along both its axes) give the exact one for any direction in it. A guide for the middle of the cell says where to
+//! begin, and the search goes on from there, either way, by steps that double. Inside the leaf the
 //! two numbers that are left are bent so that their density is the ramp; Hilbert order is kept, since bending is continuous.
 
 use std::sync::{Arc, OnceLock};
 
 use crate::square::disk_from_square;
 use crate::tree::arena::{Arena, Rank};
+use crate::tree::batch::ask;
 use crate::tree::cache::{self, SliceCache, SliceRef};
 use crate::tree::coordinates::{QUANTUM_BITS, turned};
 use crate::tree::slice::{Met, Place, area, level_of, walk};
@@ -56,14 +58,18 @@ impl Smooth {
     /// Directional-hemispherical total at incident coordinates.
     pub fn total(&self, arena: &Arena, incident: [u64; 2]) -> f64 {
         match self.totals(arena) {
-            Some(totals) => {
-                at(totals.of(cell(arena, incident)), incident.map(|c| across(c, arena.log2_res())))
-            }
-            None => self.slice(arena, incident).total(incident.map(|c| across(c, arena.log2_res()))),
+            Some(totals) => at(totals.of(cell(arena, incident)), within(arena, incident)),
+            None => self.slice(arena, incident).total(within(arena, incident)),
         }
     }
 
-    fn slice(&self, arena: &Arena, incident: [u64; 2]) -> SliceRef<'_, SmoothSlice> {
+    /// Asks early for where a slice is.
+    pub fn ask(&self, arena: &Arena, incident: [u64; 2]) {
+        self.slices.ask(arena, cell(arena, incident));
+    }
+
+    /// The slice over the finest incident cell that holds the coordinates.
+    pub fn slice(&self, arena: &Arena, incident: [u64; 2]) -> SliceRef<'_, SmoothSlice> {
         let cell = cell(arena, incident);
         self.slices.slice(arena, cell, || SmoothSlice::new(arena, self, cell))
     }
@@ -77,9 +83,15 @@ impl Smooth {
     /// For light from one direction, given by its coordinates; the azimuth that exitant directions are turned by, if they are.
     pub fn lobe(&self, arena: &Arena, incident: [u64; 2], azimuth: Option<[f64; 2]>) -> SmoothLobe<'_> {
         let slice = self.slice(arena, incident);
-        let within = incident.map(|c| across(c, arena.log2_res()));
+        let within = within(arena, incident);
         SmoothLobe { slice, incident, within, total: self.total(arena, incident), azimuth }
     }
+}
+
+/// Where incident coordinates lie within the finest cell.
+#[inline(always)]
+pub(super) fn within(arena: &Arena, incident: [u64; 2]) -> [f64; 2] {
+    incident.map(|c| across(c, arena.log2_res()))
 }
 
 /// Where a coordinate lies across its cell of a level, from −1 to 1.
@@ -128,11 +140,15 @@ pub(super) struct SmoothSlice {
     entries: Box<[Entry]>,
     /// Of all entries before, in the middle of the cell, and the growth along its axes; one more than there are entries.
     sums: Box<[[f64; 3]]>,
+    /// The last of the sums.
+    all: [f64; 3],
+    /// `guide[j]`: the entry that holds the j-th of as many equal parts of the total, in the middle of the cell.
+    guide: Box<[u32]>,
 }
 
 impl cache::Slice for SmoothSlice {
     fn n_bytes(&self) -> usize {
-        size_of_val(&*self.entries) + size_of_val(&*self.sums)
+        size_of_val(&*self.entries) + size_of_val(&*self.sums) + size_of_val(&*self.guide)
     }
 }
 
@@ -156,28 +172,61 @@ impl SmoothSlice {
                 sums.push(sum);
             }
         });
-        SmoothSlice { entries: entries.into(), sums: sums.into() }
+        SmoothSlice { entries: entries.into(), guide: guide(&sums), sums: sums.into(), all: sum }
     }
 
     fn total(&self, within: [f64; 2]) -> f64 {
-        at(self.sums[self.entries.len()], within).max(0.0)
+        at(self.all, within).max(0.0)
+    }
+
+    pub fn is_black(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Where the guide has the entry to begin with for a number; the slice must not be black.
+    pub fn guide(&self, u: f64) -> &u32 {
+        &self.guide[((u * self.guide.len() as f64) as usize).min(self.guide.len() - 1)]
+    }
+
+    /// Asks early for an entry and its sums.
+    pub fn ask(&self, entry: u32) {
+        ask(self.entries.as_ptr().wrapping_add(entry as usize));
+        ask(self.sums.as_ptr().wrapping_add(entry as usize));
+    }
+
+    /// The last entry before which there is no more than a target, from one to begin with.
+    fn find(&self, begin: usize, target: f64, within: [f64; 2]) -> usize {
+        let n = self.entries.len();
+        let is_before = |k: usize| at(self.sums[k], within) <= target;
+        let (mut low, mut high, mut step) = (begin, begin + 1, 1);
+        while low > 0 && !is_before(low) {
+            (low, high) = (low.saturating_sub(step), low);
+            step *= 2;
+        }
+        while high < n && is_before(high) {
+            (low, high) = (high, (high + step).min(n));
+            step *= 2;
+        }
+        while high - low > 1 {
+            let middle = low.midpoint(high);
+            if is_before(middle) { low = middle } else { high = middle }
+        }
+        low
     }
 
     /// A point of the exitant square and the BSDF there \[1/sr\], for incident coordinates, of which is known too where they lie within
-    /// the finest cell; `None` if the slice is black.
-    fn sample(
+    /// the finest cell, from an entry to begin with. The slice must not be black.
+    pub fn sample_from(
         &self,
+        begin: u32,
         incident: [u64; 2],
         within: [f64; 2],
         u: f64,
         v: Option<f64>,
-    ) -> Option<([f64; 2], f64)> {
+    ) -> ([f64; 2], f64) {
         let target = u.clamp(0.0, BELOW_ONE) * self.total(within);
         let before = |k: usize| at(self.sums[k], within);
-        // The last entry before which there is no more than the target.
-        let ends = &self.sums[1..];
-        let k =
-            ends.partition_point(|&sum| at(sum, within) <= target).min(self.entries.len().checked_sub(1)?);
+        let k = self.find(begin as usize, target, within);
         let entry = self.entries[k];
         let weight = before(k + 1) - before(k);
         let rest = if weight > 0.0 { ((target - before(k)) / weight).clamp(0.0, BELOW_ONE) } else { 0.5 };
@@ -189,8 +238,22 @@ impl SmoothSlice {
         let corner = point.map(f64::floor);
         let t = bent([point[0] - corner[0], point[1] - corner[1]], exitant.map(|slope| slope / flat));
         let value = f64::from(entry.value) * (flat + (exitant[0] * t[0] + exitant[1] * t[1]));
-        Some((std::array::from_fn(|i| (corner[i] + 0.5 + 0.5 * t[i]) / n), value))
+        (std::array::from_fn(|i| (corner[i] + 0.5 + 0.5 * t[i]) / n), value)
     }
+}
+
+/// For half as many equal parts of the total as there are entries, the entry that holds the beginning of each.
+fn guide(sums: &[[f64; 3]]) -> Box<[u32]> {
+    let n = sums.len() / 2;
+    let total = sums[sums.len() - 1][0];
+    let mut k = 0;
+    let part = |j: usize| {
+        while k + 2 < sums.len() && sums[k + 1][0] <= total * j as f64 / n as f64 {
+            k += 1;
+        }
+        k as u32
+    };
+    (0..n).map(part).collect()
 }
 
 /// Two numbers in (0, 1) to two in (−1, 1) of density (1 + a·s + b·t)/4, where |a| + |b| ≤ 1.
@@ -221,7 +284,11 @@ impl SmoothLobe<'_> {
 
     /// As [`TreeLobe::sample`](super::TreeLobe::sample).
     pub fn sample(&self, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
-        let (square, value) = self.slice.sample(self.incident, self.within, u, v)?;
+        if self.slice.is_black() {
+            return None;
+        }
+        let begin = *self.slice.guide(u);
+        let (square, value) = self.slice.sample_from(begin, self.incident, self.within, u, v);
         let disk = disk_from_square(square);
         Some((self.azimuth.map_or(disk, |azimuth| turned(disk, azimuth)), value))
     }
