@@ -26,7 +26,13 @@ pub fn disk_from_square([x, y]: [f64; 2]) -> [f64; 2] {
 /// Without branches: over arrays the compiler makes it vector instructions, with the same bits.
 #[inline(always)]
 pub fn square_from_disk([x, y]: [f64; 2]) -> [f64; 2] {
-    let r = (x * x + y * y).sqrt().min(1.0);
+    square_from_polar((x * x + y * y).sqrt(), [x, y])
+}
+
+/// [`square_from_disk`] of the point at a distance from the centre, in the direction of (x, y), which may have any length.
+#[inline(always)]
+pub(crate) fn square_from_polar(r: f64, [x, y]: [f64; 2]) -> [f64; 2] {
+    let r = r.min(1.0);
     let x_leads = x.abs() >= y.abs();
     let (major, minor) = if x_leads { (x, y) } else { (y, x) };
     let divisor = if major == 0.0 { 1.0 } else { major.abs() };

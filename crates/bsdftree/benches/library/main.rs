@@ -13,6 +13,7 @@ use std::time::Instant;
 
 use bsdftree::binary::{self, Packing};
 use bsdftree::square::disk_from_square;
+use bsdftree::tree::Instructions;
 use bsdftree::xml::{self, Strictness};
 use bsdftree::{Band, Bsdf, Component, Direction, Lobes, Part, Rank, Sample, Scattering, Side, Tree};
 use trees::{Shape, smooth};
@@ -179,8 +180,12 @@ fn queries(band: &Band, figures: &mut Figures) {
         best(|| band.projected_solid_angle_many(&incident, &exitant, &mut numbers))
     });
     if let Some((_, Component { luminance: Scattering::Tree(tree), .. })) = band.components().next() {
-        figures
-            .rate("eval, portable", || best(|| tree.eval_many_portable(&incident, &exitant, &mut numbers)));
+        let mut with =
+            |instructions| best(|| tree.eval_many_with(instructions, &incident, &exitant, &mut numbers));
+        if Instructions::best() > Instructions::Avx2 {
+            figures.rate("eval, AVX2 alone", || with(Instructions::Avx2));
+        }
+        figures.rate("eval, portable", || with(Instructions::Portable));
     }
     figures.rate("eval, single calls", || best(|| pairs().map(|(&i, &o)| band.eval(i, o)).sum::<f64>()));
     figures.rate("sample, single calls", || {

@@ -79,6 +79,12 @@ impl Slot {
         Slot((value + 0.0).to_bits())
     }
 
+    /// Whether it is a link, and its other bits.
+    #[inline]
+    pub(super) fn parts(self) -> (bool, u32) {
+        (self.0 & Self::NODE != 0, self.0 & !Self::NODE)
+    }
+
     /// What it holds.
     #[inline]
     pub fn content(self) -> Content {

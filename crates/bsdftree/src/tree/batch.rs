@@ -6,11 +6,13 @@
 //! gather for eight pairs; AVX-512 does the arithmetic for as many.
 
 use crate::direction::Direction;
-use crate::square::{disk_from_square, square_from_disk};
+use crate::square::{disk_from_square, square_from_disk, square_from_polar};
 use crate::tree::Tree;
 use crate::tree::arena::{Arena, Content, Rank, Slot};
 use crate::tree::cache::SliceRef;
-use crate::tree::coordinates::{QUANTUM_BITS, azimuth, quantized, rank3_coordinate, turned};
+use crate::tree::coordinates::{
+    QUANTUM_BITS, azimuth, quantized, rank3_coordinate, rank3_turned, sin_theta, turned,
+};
 use crate::tree::slice::{Place, Slice, area};
 use crate::tree::smooth::{self, Smooth};
 
@@ -48,30 +50,86 @@ impl Tree {
         self.look_up::<ANGLES>(incident, exitant, angles);
     }
 
-    /// [`Tree::eval_many`] as processors without AVX2 do it: for measurements, and to compare.
+    /// [`Tree::eval_many`] as processors with fewer instructions do it, of leaves, not smooth: for measurements, and to compare. With
+    /// fewer yet if this processor has not even those.
     ///
     /// # Panics
     /// If the lengths differ.
-    pub fn eval_many_portable(&self, incident: &[Direction], exitant: &[Direction], values: &mut [f64]) {
-        assert_lengths(incident, exitant, values);
-        portable::<VALUES>(self.arena(), incident, exitant, values);
+    pub fn eval_many_with(
+        &self,
+        instructions: Instructions,
+        incident: &[Direction],
+        exitant: &[Direction],
+        values: &mut [f64],
+    ) {
+        self.look_up_with::<VALUES>(instructions.min(Instructions::best()), incident, exitant, values);
     }
 
     /// What `WANTED` says of the leaves that hold the pairs.
     fn look_up<const WANTED: bool>(&self, incident: &[Direction], exitant: &[Direction], out: &mut [f64]) {
+        self.look_up_with::<WANTED>(Instructions::best(), incident, exitant, out);
+    }
+
+    /// The same with instructions that the processor has.
+    fn look_up_with<const WANTED: bool>(
+        &self,
+        instructions: Instructions,
+        incident: &[Direction],
+        exitant: &[Direction],
+        out: &mut [f64],
+    ) {
         assert_lengths(incident, exitant, out);
+        let arena = self.arena();
         #[cfg(target_arch = "x86_64")]
-        if i32::try_from(self.arena().slots().len()).is_ok() {
-            if has_avx512() {
-                // SAFETY: the processor has AVX-512, and all indices of slots fit its gathers.
-                return unsafe { x86::look_up_with_avx512::<WANTED>(self.arena(), incident, exitant, out) };
-            }
-            if std::arch::is_x86_feature_detected!("avx2") {
-                // SAFETY: the processor has AVX2, and all indices of slots fit its gathers.
-                return unsafe { x86::look_up_with_avx2::<WANTED>(self.arena(), incident, exitant, out) };
+        if i32::try_from(arena.slots().len()).is_ok() {
+            // SAFETY: the processor has them, and all indices of slots fit its gathers.
+            unsafe {
+                match instructions {
+                    Instructions::Avx512 => {
+                        return x86::look_up_with_avx512::<WANTED>(arena, incident, exitant, out);
+                    }
+                    Instructions::Avx2 => {
+                        return x86::look_up_with_avx2::<WANTED>(arena, incident, exitant, out);
+                    }
+                    Instructions::Portable => {}
+                }
             }
         }
-        portable::<WANTED>(self.arena(), incident, exitant, out);
+        let _ = instructions;
+        portable::<WANTED>(arena, incident, exitant, out);
+    }
+}
+
+/// Vector instructions, each with all before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Instructions {
+    /// Those that all processors of the kind have.
+    Portable,
+    /// AVX2 of x86-64.
+    Avx2,
+    /// Its AVX-512 (F, DQ, VL).
+    Avx512,
+}
+
+impl Instructions {
+    /// The best that this processor has.
+    #[inline]
+    pub fn best() -> Instructions {
+        #[cfg(target_arch = "x86_64")]
+        {
+            let has_avx2 = std::arch::is_x86_feature_detected!("avx2");
+            if has_avx2
+                && std::arch::is_x86_feature_detected!("avx512f")
+                && std::arch::is_x86_feature_detected!("avx512dq")
+                && std::arch::is_x86_feature_detected!("avx512vl")
+            {
+                return Instructions::Avx512;
+            }
+            if has_avx2 {
+                return Instructions::Avx2;
+            }
+        }
+        Instructions::Portable
     }
 }
 
@@ -197,15 +255,14 @@ fn coordinates(rank: Rank, incident: &[Direction; BLOCK], exitant: &[Direction; 
         }
         Rank::Three => {
             // As `exitant_square`, step by step.
-            let [mut c, mut s, mut x, mut y] = [[0.0; BLOCK]; 4];
+            let [mut x, mut y, mut b, mut c] = [[0.0; BLOCK]; 4];
             for k in 0..BLOCK {
-                [c[k], s[k]] = azimuth([from[0][k], from[1][k], 0.0]);
+                [x[k], y[k]] = rank3_turned([from[0][k], from[1][k], 0.0], [to[0][k], to[1][k]]);
             }
             for k in 0..BLOCK {
-                (x[k], y[k]) = (c[k] * to[0][k] + s[k] * to[1][k], c[k] * to[1][k] - s[k] * to[0][k]);
+                [b[k], c[k]] = square_from_polar(sin_theta([to[0][k], to[1][k], 0.0]), [x[k], y[k]]);
             }
-            let (a, [b, c]) = (rank3_coordinates(from), squares([x, y], 1.0));
-            [a, b, c, [0.0; BLOCK]]
+            [rank3_coordinates(from), b, c, [0.0; BLOCK]]
         }
     }
 }
@@ -270,13 +327,6 @@ fn cell(x: f64, scale: f64) -> u32 {
     let quantum = if quantum < QUANTA - 1.0 { quantum } else { QUANTA - 1.0 };
     // SAFETY: it lies in [0, 2^15).
     unsafe { (quantum * scale).to_int_unchecked::<i32>() as u32 }
-}
-
-#[cfg(target_arch = "x86_64")]
-fn has_avx512() -> bool {
-    std::arch::is_x86_feature_detected!("avx512f")
-        && std::arch::is_x86_feature_detected!("avx512dq")
-        && std::arch::is_x86_feature_detected!("avx512vl")
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -551,13 +601,12 @@ macro_rules! wide {
                 fn with_avx2($($argument: $type),*) -> $result {
                     $inner($($argument),*)
                 }
-                if has_avx512() {
+                match Instructions::best() {
                     // SAFETY: the processor has it.
-                    return unsafe { with_avx512($($argument),*) };
-                }
-                if std::arch::is_x86_feature_detected!("avx2") {
+                    Instructions::Avx512 => return unsafe { with_avx512($($argument),*) },
                     // SAFETY: the processor has it.
-                    return unsafe { with_avx2($($argument),*) };
+                    Instructions::Avx2 => return unsafe { with_avx2($($argument),*) },
+                    Instructions::Portable => {}
                 }
             }
             $inner($($argument),*)
@@ -681,9 +730,11 @@ mod tests {
                 let mut many = vec![-1.0; points.len()];
                 tree.eval_many(&incident, &exitant, &mut many);
                 prop_assert_eq!(&many, &single);
-                many.fill(-1.0);
-                if !is_smooth {
-                    tree.eval_many_portable(&incident, &exitant, &mut many);
+                // Of leaves, not of what is between them.
+                let all = [Instructions::Portable, Instructions::Avx2, Instructions::Avx512];
+                for instructions in all.into_iter().filter(|_| !is_smooth) {
+                    many.fill(-1.0);
+                    tree.eval_many_with(instructions, &incident, &exitant, &mut many);
                     prop_assert_eq!(&many, &single);
                 }
                 let single: Vec<f64> =

@@ -10,7 +10,7 @@
 //! the upper cell of both incident dimensions. (In Radiance it lies where the last bit of the input puts it.)
 
 use crate::direction::Direction;
-use crate::square::square_from_disk;
+use crate::square::{square_from_disk, square_from_polar};
 use crate::tree::arena::Rank;
 
 /// Bits of a quantised coordinate.
@@ -50,7 +50,7 @@ pub(super) fn rank3_coordinate(incident: Direction) -> f64 {
 }
 
 #[inline(always)]
-fn sin_theta([x, y, _]: Direction) -> f64 {
+pub(super) fn sin_theta([x, y, _]: Direction) -> f64 {
     (x * x + y * y).sqrt()
 }
 
@@ -60,6 +60,14 @@ pub(super) fn azimuth(incident: Direction) -> [f64; 2] {
     let r = sin_theta(incident);
     let divisor = if r > 0.0 { r } else { 1.0 };
     [if r > 0.0 { -incident[0] / divisor } else { 1.0 }, if r > 0.0 { -incident[1] / divisor } else { 0.0 }]
+}
+
+/// A point turned back by [`azimuth`], except for its length: no root and no quotient to wait for.
+#[inline(always)]
+pub(super) fn rank3_turned(incident: Direction, [x, y]: [f64; 2]) -> [f64; 2] {
+    let tilted = sin_theta(incident) > 0.0;
+    let [c, s] = [if tilted { -incident[0] } else { 1.0 }, if tilted { -incident[1] } else { 0.0 }];
+    [c * x + s * y, c * y - s * x]
 }
 
 /// A point turned by the azimuth with this cosine and sine.
@@ -74,10 +82,7 @@ pub(super) fn exitant_square(rank: Rank, incident: Direction, exitant: Direction
     let [x, y] = [exitant[0], exitant[1]];
     match rank {
         Rank::Four => square_from_disk([x, y]),
-        Rank::Three => {
-            let [c, s] = azimuth(incident);
-            square_from_disk([c * x + s * y, c * y - s * x])
-        }
+        Rank::Three => square_from_polar(sin_theta(exitant), rank3_turned(incident, [x, y])),
     }
 }
 

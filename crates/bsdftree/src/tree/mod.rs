@@ -16,9 +16,11 @@ mod slopes;
 mod smooth;
 mod walk;
 
+use std::hint::select_unpredictable;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 pub use arena::{Arena, Content, MAX_LOG2_RES, Rank, Slot, TreeBuilder, TreeError};
+pub use batch::Instructions;
 pub use coordinates::Position;
 pub use lobe::TreeLobe;
 pub(crate) use slice::area as leaf_area;
@@ -150,21 +152,21 @@ impl Tree {
         const TOP_BITS: u64 = 0x0001_0001_0001_0001;
         const GATHERED: u64 = 1 << 48 | 1 << 33 | 1 << 18 | 1 << 3;
         let cells = p[0] >> KEPT | p[1] >> KEPT << 16 | p[2] >> KEPT << 32 | p[3] >> KEPT << 48;
-        let mut slot = self.arena.top();
-        let mut index = 0;
-        for level in 0..=self.arena.log2_res() {
-            match slot.content() {
-                Content::Leaf(value) => return (value, index, level),
-                Content::Node(node) => {
-                    let bits = cells >> (15 - level) & TOP_BITS;
-                    let child = (bits.wrapping_mul(GATHERED) >> 48) as usize;
-                    index = self.arena.slot_of(node, child);
-                    slot = self.arena.slots()[index];
-                }
-            }
+        let (mut slot, mut index, mut level) = (self.arena.top(), 0, 0);
+        for below in 0..self.arena.log2_res() {
+            let bits = cells >> (15 - below) & TOP_BITS;
+            // Of a leaf, the child of some node, which is not taken: a jump to the end would be foreseen half of the time.
+            let (is_node, node) = slot.parts();
+            let child = self.arena.slot_of(node, (bits.wrapping_mul(GATHERED) >> 48) as usize);
+            slot = select_unpredictable(is_node, self.arena.slots()[child], slot);
+            index = select_unpredictable(is_node, child, index);
+            level += u32::from(is_node);
         }
-        // Only in a damaged file.
-        (0.0, 0, self.arena.log2_res())
+        match slot.content() {
+            Content::Leaf(value) => (value, index, level),
+            // Only in a damaged file.
+            Content::Node(_) => (0.0, 0, level),
+        }
     }
 
     /// The BSDF \[1/sr\] for light from `incident` to `exitant`; which sides they lie on does not matter here.
