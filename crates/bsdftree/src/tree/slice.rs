@@ -3,13 +3,15 @@
 //! G. Ward and A. McNeil, "A Variable-resolution BSDF Implementation": the leaves that an incident direction meets are
 //! walked along the Hilbert curve through the exitant square and their projected-solid-angle-weighted values summed;
 //! one number in \[0, 1) is looked up in the sums, and what is left of it says where in the leaf.
-//! The walk descends the tree in Hilbert order, so nothing is sorted. Sums are fractions of the total in 32 bits, twelve bytes
+//! The walk descends the tree in Hilbert order, so nothing is sorted. Sums are fractions of the total in 32 bits, thirteen bytes
 //! a leaf in all: a leaf's chance is off by 2⁻³² of the total at most.
 //!
 //! A guide says where to begin in the sums, so that on average O(1) of them are compared: H. C. Chen and Y. Asau, "On
 //! generating random variates from an empirical distribution", AIIE Transactions 6, 1974.
 
 use std::f64::consts::PI;
+
+use bytemuck::{Pod, Zeroable};
 
 use crate::hilbert::{State, cell_from_hilbert};
 use crate::tree::arena::{Arena, Content, Rank, Slot};
@@ -25,7 +27,8 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 const ONE: u64 = 1 << 32;
 
 /// A leaf of the slice.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 struct Entry {
     /// Weight of the leaves before it as a fraction of the total \[2⁻³²\].
     before: u32,
@@ -38,10 +41,10 @@ struct Entry {
 /// The leaves of one incident cell and their cumulative sums.
 #[derive(Debug)]
 pub(super) struct Slice {
-    /// Without the black ones.
-    entries: Box<[Entry]>,
-    /// `guide[j]` = the last entry that may hold the j-th of as many equal parts of the total.
-    guide: Box<[u32]>,
+    /// The guide, which has for each of some equal parts of the total the last entry that may hold its beginning, and behind it the
+    /// entries, without black ones: one stretch of memory, since what costs time is fetching it.
+    table: Box<[u32]>,
+    n_parts: u32,
     total: f64,
     /// Finest and coarsest leaf met, black ones included.
     levels: [u32; 2],
@@ -64,7 +67,10 @@ impl Slice {
             entry.before = (sum / total * ONE as f64) as u32;
             sum += entry.weight();
         }
-        Slice { guide: guide(&entries), entries: entries.into(), total, levels }
+        let mut table = guide(&entries);
+        let n_parts = table.len() as u32;
+        table.extend_from_slice(bytemuck::cast_slice(&entries));
+        Slice { table: table.into(), n_parts, total, levels }
     }
 
     /// Directional-hemispherical total.
@@ -77,7 +83,7 @@ impl Slice {
     /// Takes one number in \[0, 1), or two: then the first chooses the leaf and the place across it, the second along.
     #[inline]
     pub fn sample(&self, u: f64, v: Option<f64>) -> Option<([f64; 2], f64)> {
-        match self.entries.is_empty() {
+        match self.is_black() {
             true => None,
             false => {
                 let (place, value) = self.sample_from(self.begin(u), u, v);
@@ -89,8 +95,13 @@ impl Slice {
     /// Where to begin in the guide for a number; the slice must not be black.
     #[inline(always)]
     pub fn guide(&self, u: f64) -> &u32 {
-        let part = (u64::from(target(u) as u32) * self.guide.len() as u64) >> 32;
-        &self.guide[part as usize]
+        let part = (u64::from(target(u) as u32) * u64::from(self.n_parts)) >> 32;
+        &self.table[part as usize]
+    }
+
+    #[inline(always)]
+    fn entries(&self) -> &[Entry] {
+        bytemuck::cast_slice(&self.table[self.n_parts as usize..])
     }
 
     /// The entry to begin with for a number; the slice must not be black.
@@ -102,23 +113,24 @@ impl Slice {
     /// Where an entry is in memory, to be asked for early.
     #[inline(always)]
     pub fn place_of(&self, entry: u32) -> *const u8 {
-        self.entries.as_ptr().wrapping_add(entry as usize).cast()
+        self.entries().as_ptr().wrapping_add(entry as usize).cast()
     }
 
     /// Whether no leaf has light.
     #[inline(always)]
     pub fn is_black(&self) -> bool {
-        self.entries.is_empty()
+        self.table.is_empty()
     }
 
     /// [`Slice::sample`] from an entry that is not behind the one that is sought.
     #[inline(always)]
     pub fn sample_from(&self, begin: usize, u: f64, v: Option<f64>) -> (Place, f64) {
         let target = target(u);
+        let entries = self.entries();
         let mut k = begin;
-        let mut entry = self.entries[k];
+        let mut entry = entries[k];
         let mut end = ONE;
-        while let Some(next) = self.entries.get(k + 1) {
+        while let Some(next) = entries.get(k + 1) {
             if f64::from(next.before) > target {
                 end = u64::from(next.before);
                 break;
@@ -138,7 +150,7 @@ impl Slice {
 
 impl cache::Slice for Slice {
     fn n_bytes(&self) -> usize {
-        size_of_val(&*self.entries) + size_of_val(&*self.guide)
+        size_of_val(&*self.table)
     }
 }
 
@@ -148,9 +160,9 @@ fn target(u: f64) -> f64 {
     u.clamp(0.0, BELOW_ONE) * ONE as f64
 }
 
-/// Half as many parts as there are entries.
-fn guide(entries: &[Entry]) -> Box<[u32]> {
-    let n = entries.len().div_ceil(2);
+/// A quarter as many parts as there are entries: comparing a few of them costs less than memory.
+fn guide(entries: &[Entry]) -> Vec<u32> {
+    let n = entries.len().div_ceil(4);
     let mut k = 0;
     let part = |j: usize| {
         // The least number that belongs to the part.
