@@ -28,6 +28,7 @@ TARGETS = (
     Target("pdf", "M/s", 30, 30),
     Target("hemispherical", "M/s", 150, 150),
     Target("projected solid angle", "M/s", 50, 50),
+    Target("eval, AVX2 alone", "M/s", 100, 50),
     Target("eval, portable", "M/s", 28, 20),
     Target("eval, single calls", "M/s", 18, 10),
     Target("sample, single calls", "M/s", 4, 2.5),

@@ -1,6 +1,7 @@
 //! A whole BSDF and its queries over arrays.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::PathBuf;
 
 use bsdftree::binary::Packing;
@@ -43,53 +44,64 @@ impl Bsdf {
         })
     }
 
-    /// What `f` fills in for all pairs of directions, without the interpreter.
-    fn over_pairs<T: Send + Clone + Default>(
+    /// An array of what `f` fills in for all pairs of directions, `K` numbers for each.
+    fn over_pairs<'py, const K: usize>(
         &self,
-        py: Python<'_>,
+        py: Python<'py>,
         band: &str,
         incident: &Directions<'_>,
         exitant: &Directions<'_>,
-        f: impl Fn(&Band, &[Direction], &[Direction], &mut [T]) + Sync,
-    ) -> PyResult<Vec<T>> {
+        f: impl Fn(&Band, &[Direction], &[Direction], &mut [f64]) + Sync,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let band = self.band(band)?;
         let (mut i, mut o) = (Vectors::new(incident, "incident")?, Vectors::new(exitant, "exitant")?);
         same_length(i.len(), o.len())?;
-        let mut values = vec![T::default(); i.len()];
-        let filled = py.detach(|| {
-            chunks(i.len()).try_for_each(|chunk| {
-                f(band, i.units(chunk.clone())?, o.units(chunk.clone())?, &mut values[chunk]);
-                Ok(())
-            })
-        });
-        filled.map(|()| values).map_err(|problem: String| value_error(problem))
+        filled::<K>(py, i.len(), |chunk, values| {
+            f(band, i.units(chunk.clone())?, o.units(chunk)?, values);
+            Ok(())
+        })
     }
 
-    /// What `f` fills in for all incident directions, without the interpreter.
-    fn over_incident<T: Send + Clone + Default>(
+    /// An array of what `f` fills in for all incident directions, `K` numbers for each.
+    fn over_incident<'py, const K: usize>(
         &self,
-        py: Python<'_>,
+        py: Python<'py>,
         band: &str,
         incident: &Directions<'_>,
-        f: impl Fn(&Band, &[Direction], &mut [T]) + Sync,
-    ) -> PyResult<Vec<T>> {
+        f: impl Fn(&Band, &[Direction], &mut [f64]) + Sync,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let band = self.band(band)?;
         let mut i = Vectors::new(incident, "incident")?;
-        let mut values = vec![T::default(); i.len()];
-        let filled = py.detach(|| {
-            chunks(i.len()).try_for_each(|chunk| {
-                f(band, i.units(chunk.clone())?, &mut values[chunk]);
-                Ok(())
-            })
-        });
-        filled.map(|()| values).map_err(|problem: String| value_error(problem))
+        filled::<K>(py, i.len(), |chunk, values| {
+            f(band, i.units(chunk)?, values);
+            Ok(())
+        })
     }
 }
 
-/// An array of (n, k) from its rows.
-fn rows<'py, const K: usize>(py: Python<'py>, rows: Vec<[f64; K]>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let n = rows.len();
-    PyArray1::from_vec(py, rows.into_flattened()).reshape([n, K])
+/// An array of `K` numbers for each of n things, written chunk by chunk without the interpreter. NumPy allocates it: in huge pages, of
+/// which a first touch costs less than of Rust's small ones.
+fn filled<'py, const K: usize>(
+    py: Python<'py>,
+    n: usize,
+    mut write: impl FnMut(Range<usize>, &mut [f64]) -> Result<(), String> + Send,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let array = PyArray1::zeros(py, n * K, false);
+    {
+        let mut array = array.readwrite();
+        let values = array.as_slice_mut()?;
+        py.detach(|| {
+            chunks(n).try_for_each(|chunk| write(chunk.clone(), &mut values[K * chunk.start..K * chunk.end]))
+        })
+        .map_err(value_error)?;
+    }
+    Ok(array)
+}
+
+/// An array of n numbers as one of rows of `K`.
+fn rows<'py, const K: usize>(array: Bound<'py, PyArray1<f64>>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let n = array.len()? / K;
+    array.reshape([n, K])
 }
 
 #[pymethods]
@@ -254,7 +266,7 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(PyArray1::from_vec(py, self.over_pairs(py, band, &incident, &exitant, Band::eval_many)?))
+        self.over_pairs::<1>(py, band, &incident, &exitant, Band::eval_many)
     }
 
     fn eval_xyz<'py>(
@@ -264,7 +276,9 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.over_pairs(py, band, &incident, &exitant, Band::eval_xyz_many)?)
+        rows::<3>(self.over_pairs::<3>(py, band, &incident, &exitant, |band, i, o, values| {
+            band.eval_xyz_many(i, o, values.as_chunks_mut().0);
+        })?)
     }
 
     fn pdf<'py>(
@@ -276,10 +290,9 @@ impl Bsdf {
         part: &str,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let lobes = lobes(part)?;
-        let values = self.over_pairs(py, band, &incident, &exitant, |band, i, o, values| {
+        self.over_pairs::<1>(py, band, &incident, &exitant, |band, i, o, values| {
             band.pdf_many(i, o, lobes, values);
-        })?;
-        Ok(PyArray1::from_vec(py, values))
+        })
     }
 
     #[pyo3(signature = (band, incident, u, v, part))]
@@ -298,22 +311,30 @@ impl Bsdf {
         let v = v.as_ref().map(|v| v.as_slice()).transpose()?;
         same_length(i.len(), u.len())?;
         v.map_or(Ok(()), |v| same_length(i.len(), v.len()))?;
-        let (mut exitant, mut weight, mut pdf) =
-            (vec![[0.0; 3]; i.len()], vec![0.0; i.len()], vec![0.0; i.len()]);
-        let filled = py.detach(|| {
-            let mut samples = vec![Sample { exitant: [0.0; 3], pdf: 0.0, weight: 0.0 }; CHUNK.min(i.len())];
-            chunks(i.len()).try_for_each(|range| {
-                let samples = &mut samples[..range.len()];
-                let v = v.map(|v| &v[range.clone()]);
-                band.sample_many(i.units(range.clone())?, &u[range.clone()], v, lobes, samples);
-                for (k, sample) in range.zip(samples) {
-                    (exitant[k], weight[k], pdf[k]) = (sample.exitant, sample.weight, sample.pdf);
-                }
-                Ok(())
+        let n = i.len();
+        let exitant = PyArray2::zeros(py, [n, 3], false);
+        let [weight, pdf] = std::array::from_fn(|_| PyArray1::zeros(py, n, false));
+        {
+            let (mut exitant, mut weight, mut pdf) =
+                (exitant.readwrite(), weight.readwrite(), pdf.readwrite());
+            let directions = exitant.as_slice_mut()?.as_chunks_mut().0;
+            let (weights, densities) = (weight.as_slice_mut()?, pdf.as_slice_mut()?);
+            py.detach(|| {
+                let mut samples = vec![Sample { exitant: [0.0; 3], pdf: 0.0, weight: 0.0 }; CHUNK.min(n)];
+                chunks(n).try_for_each(|range| {
+                    let samples = &mut samples[..range.len()];
+                    let v = v.map(|v| &v[range.clone()]);
+                    band.sample_many(i.units(range.clone())?, &u[range.clone()], v, lobes, samples);
+                    for (k, sample) in range.zip(samples) {
+                        (directions[k], weights[k], densities[k]) =
+                            (sample.exitant, sample.weight, sample.pdf);
+                    }
+                    Ok(())
+                })
             })
-        });
-        filled.map_err(|problem: String| value_error(problem))?;
-        Ok((rows(py, exitant)?, PyArray1::from_vec(py, weight), PyArray1::from_vec(py, pdf)))
+            .map_err(|problem: String| value_error(problem))?;
+        }
+        Ok((exitant, weight, pdf))
     }
 
     fn hemispherical<'py>(
@@ -324,10 +345,9 @@ impl Bsdf {
         part: &str,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let lobes = lobes(part)?;
-        let values = self.over_incident(py, band, &incident, |band, i, totals| {
+        self.over_incident::<1>(py, band, &incident, |band, i, totals| {
             band.hemispherical_many(i, lobes, totals);
-        })?;
-        Ok(PyArray1::from_vec(py, values))
+        })
     }
 
     /// NaN where there is no component.
@@ -338,8 +358,7 @@ impl Bsdf {
         incident: Directions<'py>,
         exitant: Directions<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let angles = self.over_pairs(py, band, &incident, &exitant, Band::projected_solid_angle_many)?;
-        Ok(PyArray1::from_vec(py, angles))
+        self.over_pairs::<1>(py, band, &incident, &exitant, Band::projected_solid_angle_many)
     }
 
     /// Smallest and largest, NaN where there is no component.
@@ -351,12 +370,12 @@ impl Bsdf {
         part: &str,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let lobes = lobes(part)?;
-        let range = |band: &Band, incident: &[Direction], ranges: &mut [[f64; 2]]| {
-            for (&i, range) in incident.iter().zip(ranges) {
+        let range = |band: &Band, incident: &[Direction], ranges: &mut [f64]| {
+            for (&i, range) in incident.iter().zip(ranges.as_chunks_mut().0) {
                 *range = band.projected_solid_angle_range(i, lobes).unwrap_or([f64::NAN; 2]);
             }
         };
-        rows(py, self.over_incident(py, band, &incident, range)?)
+        rows::<2>(self.over_incident::<2>(py, band, &incident, range)?)
     }
 
     /// The Lambertian part of each component.

@@ -1,13 +1,14 @@
 //! What the library does in a second, on one thread: values, samples, densities, totals, resolution, files.
 //!
-//! `cargo bench -p bsdftree --bench library -- [--json] [--only=FIGURE] [--save=FOLDER] [FILE …]`: trees that are made here (at rank 3, and
-//! at rank 4 up to 2^5 and 2^6), or those in files; `--save` only writes them. Directions are random, and
-//! as many as that no cache holds their cells. Each figure is the best of several runs, in time of the
+//! `cargo bench -p bsdftree --bench library -- [--json] [--only=FIGURE] [--pairs=N] [--save=FOLDER] [FILE …]`: trees that are made here (at
+//! rank 3, and at rank 4 up to 2^5 and 2^6), or those in files; `--save` only writes them. Directions are random, and by
+//! default as many as that no cache holds their cells. Each figure is the best of several runs, in time of the
 //! processor, so that other programs matter less; of two threads the longer time counts.
 
 mod trees;
 
 use std::hint::black_box;
+use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
@@ -18,8 +19,8 @@ use bsdftree::xml::{self, Strictness};
 use bsdftree::{Band, Bsdf, Component, Direction, Lobes, Part, Rank, Sample, Scattering, Side, Tree};
 use trees::{Shape, smooth};
 
-/// Pairs of directions.
-const N: usize = 1 << 18;
+/// Pairs of directions, unless told otherwise.
+const PAIRS: usize = 1 << 18;
 
 /// One figure.
 struct Figure {
@@ -33,6 +34,9 @@ fn main() {
     let (options, files): (Vec<_>, Vec<_>) = words.iter().partition(|word| word.starts_with("--"));
     let as_json = options.iter().any(|option| *option == "--json");
     let only = options.iter().find_map(|option| option.strip_prefix("--only="));
+    let pairs = options.iter().find_map(|option| option.strip_prefix("--pairs="));
+    let pairs = pairs.map_or(PAIRS, |pairs| pairs.parse().expect("a number of pairs"));
+    let wanted = || Figures { only: only.map(str::to_owned), pairs, all: Vec::new() };
     let shapes = [
         ("smooth-rank-3", Shape { rank: Rank::Three, log2_res: 6, tolerance: 0.02 }),
         ("smooth-5", Shape { rank: Rank::Four, log2_res: 5, tolerance: 0.6 }),
@@ -48,12 +52,12 @@ fn main() {
     }
     if files.is_empty() {
         for (name, shape) in shapes {
-            show(name, &alone(smooth(&shape).into()), only, as_json);
+            show(name, &alone(smooth(&shape).into()), wanted(), as_json);
         }
     }
     for name in files {
         let (bsdf, _) = bsdftree::file::read(name, Strictness::Repair).unwrap_or_else(|e| panic!("{e}"));
-        show(name, &bsdf, only, as_json);
+        show(name, &bsdf, wanted(), as_json);
     }
 }
 
@@ -65,11 +69,10 @@ fn alone(function: Scattering) -> Bsdf {
 }
 
 /// Queries are about the component with the most values, files about all.
-fn show(name: &str, bsdf: &Bsdf, only: Option<&str>, as_json: bool) {
+fn show(name: &str, bsdf: &Bsdf, mut figures: Figures, as_json: bool) {
     let functions = bsdf.bands.iter().flat_map(|band| band.components()).map(|(_, c)| &c.luminance);
     let largest = functions.max_by_key(|function| function.n_values()).expect("a component").clone();
     let (n_values, n_bytes) = (largest.n_values(), largest.n_bytes());
-    let mut figures = Figures { only: only.map(str::to_owned), all: Vec::new() };
     queries(&alone(largest.clone()).bands[0], &mut figures);
     if let Scattering::Tree(tree) = &largest {
         tables(tree, &mut figures);
@@ -140,6 +143,7 @@ impl Random {
 /// Figures, measured if they are wanted.
 struct Figures {
     only: Option<String>,
+    pairs: usize,
     all: Vec<Figure>,
 }
 
@@ -155,20 +159,21 @@ impl Figures {
         }
     }
 
-    /// Of [`N`] things in some seconds.
+    /// Of as many things as there are pairs in some seconds.
     fn rate(&mut self, what: &'static str, seconds: impl FnOnce() -> f64) {
-        self.add(what, "M/s", || N as f64 / seconds() / 1e6);
+        let pairs = self.pairs as f64;
+        self.add(what, "M/s", || pairs / seconds() / 1e6);
     }
 }
 
 fn queries(band: &Band, figures: &mut Figures) {
-    let mut random = Random(1);
-    let incident: Vec<Direction> = (0..N).map(|_| random.direction()).collect();
-    let exitant: Vec<Direction> = (0..N).map(|_| random.direction()).collect();
-    let u: Vec<f64> = (0..N).map(|_| random.unit()).collect();
-    let mut numbers = vec![0.0; N];
+    let (mut random, n) = (Random(1), figures.pairs);
+    let incident: Vec<Direction> = (0..n).map(|_| random.direction()).collect();
+    let exitant: Vec<Direction> = (0..n).map(|_| random.direction()).collect();
+    let u: Vec<f64> = (0..n).map(|_| random.unit()).collect();
+    let mut numbers = vec![0.0; n];
     let black = Sample { exitant: [0.0; 3], pdf: 0.0, weight: 0.0 };
-    let mut samples = vec![black; N];
+    let mut samples = vec![black; n];
     let pairs = || incident.iter().zip(&exitant);
     figures.rate("eval", || best(|| band.eval_many(&incident, &exitant, &mut numbers)));
     figures.rate("sample, pdf, weight", || {
@@ -197,29 +202,33 @@ fn queries(band: &Band, figures: &mut Figures) {
     figures.rate("hemispherical, single calls", || {
         best(|| incident.iter().map(|&i| band.hemispherical(i, Lobes::All)).sum::<f64>())
     });
-    figures.rate("eval, two threads", || {
-        halves(&|range| {
-            let mut numbers = vec![0.0; range.len()];
-            band.eval_many(&incident[range.clone()], &exitant[range], &mut numbers);
+    figures.add("eval, two threads", "×", || {
+        gain_of_two(&mut numbers, &|range, numbers| {
+            band.eval_many(&incident[range.clone()], &exitant[range], numbers);
         })
     });
-    figures.rate("sample, two threads", || {
-        halves(&|range| {
-            let mut samples = vec![black; range.len()];
-            band.sample_many(&incident[range.clone()], &u[range], None, Lobes::All, &mut samples);
+    figures.add("sample, two threads", "×", || {
+        gain_of_two(&mut samples, &|range, samples| {
+            band.sample_many(&incident[range.clone()], &u[range], None, Lobes::All, samples);
         })
     });
 }
 
-/// The longer time of two threads that share the work \[s\].
-fn halves(work: &(dyn Fn(std::ops::Range<usize>) + Sync)) -> f64 {
-    shortest(|| {
+/// How many times as fast two threads are that share the work, what results they write and for which things, by the longer of
+/// their times. Runs of one and of two take turns, so that both have the same neighbours.
+fn gain_of_two<T: Send>(results: &mut [T], work: &(dyn Fn(Range<usize>, &mut [T]) + Sync)) -> f64 {
+    let n = results.len();
+    let mut alone = f64::INFINITY;
+    let together = shortest(|| {
+        alone = alone.min(timed(|| work(0..n, results)));
+        let (first, second) = results.split_at_mut(n / 2);
         std::thread::scope(|threads| {
-            let other = threads.spawn(|| timed(|| work(0..N / 2)));
-            let this = timed(|| work(N / 2..N));
+            let other = threads.spawn(|| timed(|| work(0..n / 2, first)));
+            let this = timed(|| work(n / 2..n, second));
             this.max(other.join().expect("no panic"))
         })
-    })
+    });
+    alone / together
 }
 
 fn tables(tree: &Tree, figures: &mut Figures) {
