@@ -2,8 +2,8 @@
 
 Trees: Radiance's sample t3.xml (rank 3), a sawtooth that is traced here at 2^6, and smooth functions with a peak that
 the Rust benchmark makes at 2^5 and 2^6. Rust is measured by `cargo bench -p bsdftree --bench library`, NumPy with
-arrays of as many pairs, Radiance's library (pyradiance) as Python programs can ask it: a call for each pair, less what such
-a call costs by itself. All in CPU time on one thread, the best of several runs. A figure with a ✗ misses its target.
+arrays of as many pairs, Radiance's library (pyradiance) as Python programs can ask it: a call for each pair, less what
+such a call costs by itself. All in CPU time on one thread, the best of several runs. A figure with a ✗ misses its target.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from benches.library.targets import TARGETS
 
 import bsdftree
 from bsdftree import Bsdf, Matrix, Tree
+from bsdftree._radiance.reduce import write_reduced
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("BSDFTREE_DATA", ROOT.parent / "shared/data"))
@@ -98,6 +99,23 @@ def by_radiance(path: Path, call: float) -> Figures:
     seconds = best(lambda: [library.sample(theirs, *a[:2], 1, library.SAMPLE_ALL) for a in some], 3) / len(some)
     figures["sample, single calls"] = 1e-6 / max(seconds - call, 1e-9)
     return figures
+
+
+def of_radiance(title: str, path: Path, data: Path, folder: Path) -> Figures:
+    """How many times smaller .bsdft is than XML of Radiance: its own file, or what its reducer writes of all cells."""
+    written = data / f"pyradiance/{title}"
+    if not written.is_file():
+        written = folder / "reduced.xml"
+        tree = largest(bsdftree.load(path))
+        assert isinstance(tree, Tree)
+        write_reduced(written, tree.to_grid(tree.depth), tree.rank, tree.depth, 90, average=False)
+    b = bsdftree.load(written, strict=False)
+    twin = folder / "twin.bsdft"
+    sizes = {}
+    for name, level in (("", None), (" packed at 3", 3), (" packed at 19", 19)):
+        b.save(twin, packed=level is not None, level=level or 19)
+        sizes[f"Radiance's XML by bsdft{name}"] = written.stat().st_size / twin.stat().st_size
+    return sizes
 
 
 def call_cost(folder: Path) -> float:
@@ -182,6 +200,7 @@ def main() -> None:
         for title, path in files.items():
             for what, rate in by_numpy(path).items():
                 ours[title][f"NumPy: {what}"] = 100 * rate / ours[title][what]
+            ours[title] |= of_radiance(title, path, data, folder)
             if ours[title]["values"] > LARGE:
                 ours[title] |= cold(path.with_suffix(".xml"))
         show(files, ours, theirs)

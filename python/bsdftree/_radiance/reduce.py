@@ -48,11 +48,18 @@ def reduced(values: NDArray[np.float32], rank: int, log2_res: int, cull_percent:
     average
         Whether to average pairs of directions with the same pairs swapped.
     """
-    arguments = reducer_words(rank, log2_res, cull_percent, average)
-    text = run("rttree_reduce", *arguments, stdin=np.ascontiguousarray(values, np.float32).tobytes())
     with tempfile.TemporaryDirectory(prefix="bsdftree-") as folder:
         path = Path(folder) / "tree.xml"
-        path.write_text(_FILE.format(rank=rank, data=text.decode()))
+        write_reduced(path, values, rank, log2_res, cull_percent, average=average)
         (tree,) = _core.Bsdf.read(str(path), True).components("Visible")["reflection_back"]
     assert isinstance(tree, _core.Tree)
     return tree
+
+
+def write_reduced(
+    path: Path, values: NDArray[np.float32], rank: int, log2_res: int, cull_percent: float, *, average: bool
+) -> None:
+    """Write what :func:`reduced` reads: a file of one reflection, its numbers as ``rttree_reduce`` prints them."""
+    arguments = reducer_words(rank, log2_res, cull_percent, average)
+    text = run("rttree_reduce", *arguments, stdin=np.ascontiguousarray(values, np.float32).tobytes())
+    path.write_text(_FILE.format(rank=rank, data=text.decode()))
