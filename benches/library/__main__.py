@@ -3,7 +3,8 @@
 Trees: Radiance's sample t3.xml (rank 3), a sawtooth that is traced here at 2^6, and smooth functions with a peak that
 the Rust benchmark makes at 2^5 and 2^6. Rust is measured by `cargo bench -p bsdftree --bench library`, NumPy with
 arrays of as many pairs, Radiance's library (pyradiance) as Python programs can ask it: a call for each pair, less what
-such a call costs by itself. All in CPU time on one thread, the best of several runs. A figure with a ✗ misses its target.
+such a call costs by itself. All in CPU time on one thread, the best of several runs. A figure with a ✗ misses its
+target.
 """
 
 from __future__ import annotations

@@ -269,7 +269,8 @@ fn files(bsdf: &Bsdf, figures: &mut Figures) {
     };
     figures.add("own XML by bsdft", "times", || length / bytes(Packing::Raw).len() as f64);
     figures.add("own XML by bsdft packed at 3", "times", || length / bytes(Packing::Packed(3)).len() as f64);
-    figures.add("own XML by bsdft packed at 19", "times", || length / bytes(Packing::Packed(19)).len() as f64);
+    figures
+        .add("own XML by bsdft packed at 19", "times", || length / bytes(Packing::Packed(19)).len() as f64);
     figures.add("bsdft packed at 3, read", "ms", || {
         let packed = bytes(Packing::Packed(3));
         1e3 * best(|| binary::read(&packed).expect("own file"))
