@@ -56,7 +56,7 @@ def draw(rows: Sequence[Row], path: Path) -> None:
     )
     cells.set_title("Far layers: what the size of cells does")
     for axes in (totals, gaps, cells):
-        axes.legend(fontsize=8)
+        axes.legend(fontsize=8, loc="lower left" if axes is cells else "best")
         axes.grid(alpha=0.3)
     figure.suptitle("Slats behind a pane: stack of two BSDFs beside the traced whole")
     path.parent.mkdir(parents=True, exist_ok=True)
