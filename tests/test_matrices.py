@@ -48,6 +48,19 @@ def test_dctimestep_multiplies_by_ours_as_by_the_file(data, tmp_path, rng):
 
 
 @needs_radiance
+def test_rmtxop_has_the_matrix_of_the_file_as_we_write_it(data, tmp_path):
+    """Radiance's rmtxop of the XML, and of what `convert` makes of it."""
+    xml = data / "pyradiance/ven45.xml"
+    assert CliRunner().invoke(main, ["convert", str(xml), str(tmp_path / "T.mtx")]).exit_code == 0
+    for name, source in (("ours", "T.mtx"), ("theirs", xml)):
+        (tmp_path / f"{name}.mtx").write_bytes(run("rmtxop", "-ff", source, cwd=tmp_path))
+    ours, theirs = (read_radiance_matrix(tmp_path / f"{name}.mtx") for name in ("ours", "theirs"))
+    assert ours.max() > 0.1
+    # Radiance keeps colours of XML in few bits.
+    np.testing.assert_allclose(ours[:, :, 0], theirs.mean(2), rtol=0.01, atol=1e-6)
+
+
+@needs_radiance
 @pytest.mark.parametrize("rank", [3, 4])
 @pytest.mark.parametrize("raw", ["ascii", "float", "double"])
 def test_raw_grids_are_those_of_rttree_reduce(tmp_path, rng, rank, raw):

@@ -13,11 +13,12 @@ the front, is the room. Values have **no cosine**.
 
 from bsdftree._bsdf import Bsdf, Matrix, Sample, Tree, load
 from bsdftree._check import BandCheck, Check, Energy, Finding, Gamut, Mended, Noise, Reciprocity, Symmetry
-from bsdftree._combine import merge, stack
+from bsdftree._combine import layer_absorptances, merge, stack
 from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
-from bsdftree._energyplus import energyplus, save_energyplus
+from bsdftree._energyplus import energyplus
+from bsdftree._energyplus_file import save_energyplus
 from bsdftree._generate import generate
 from bsdftree._lobes import save_lobes
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
@@ -52,6 +53,7 @@ __all__ = [
     "direction_from_polar",
     "energyplus",
     "generate",
+    "layer_absorptances",
     "load",
     "merge",
     "package",

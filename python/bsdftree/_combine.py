@@ -5,6 +5,9 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bsdftree import _core
 from bsdftree._bsdf import Bsdf
 
@@ -101,3 +104,45 @@ def stack(
     0.25
     """
     return Bsdf(_core.stack([layer._core for layer in layers], klems, subdivide, log2_res, tolerance))
+
+
+def layer_absorptances(
+    layers: Sequence[Bsdf],
+    band: str = "Visible",
+    *,
+    klems: str | list[tuple[float, float, int]] | None = None,
+    subdivide: int = 1,
+    log2_res: int | None = None,
+) -> NDArray[np.float64]:
+    """Find what each layer of a stack absorbs, with all light that goes to and fro.
+
+    Parameters
+    ----------
+    layers
+        From the outside (*front* in WINDOW) to the room.
+    band
+        Of all layers.
+    klems, subdivide, log2_res
+        Over what they are stacked, as in :func:`stack`.
+
+    Returns
+    -------
+    ndarray
+        (layers, 2, cells): of light from each incident cell of the outside and of the room, the fraction that is left
+        in the layer. With what the stack transmits and reflects they sum to 1. Less than 0 where a file has more light
+        than came. Patches are in the order of the basis; cells of trees by x, then by y.
+
+    Raises
+    ------
+    ValueError
+        As :func:`stack`.
+
+    Examples
+    --------
+    >>> from bsdftree import Tree
+    >>> pane = Tree.from_grid(np.full((1, 1, 1, 1), 0.5 / np.pi))
+    >>> layer = Bsdf.from_trees({"transmission_front": pane})
+    >>> layer_absorptances([layer, layer])[:, 0, 0].round(4).tolist()
+    [0.5, 0.25]
+    """
+    return _core.layer_absorptances([layer._core for layer in layers], band, klems, subdivide, log2_res)

@@ -1,14 +1,15 @@
-"""A BSDF as a window construction for EnergyPlus: ``Construction:ComplexFenestrationState`` and what it names.
+"""BSDFs as a window construction for EnergyPlus: ``Construction:ComplexFenestrationState`` and what it names.
 
-In goes a BSDF with the bands Visible and Solar, out come EnergyPlus objects as epJSON has them, or as text for an IDF.
-Trees, and matrices of other bases, become Klems full first. Values are BSDF [1/sr], as in WINDOW's XML: EnergyPlus
-multiplies them by projected solid angles itself. A row for each exitant patch, a column for each incident one. Front is
-the outside, as in WINDOW, and an azimuth is that of the way the light goes, on either side, so WINDOW's matrices are
-EnergyPlus's as they stand. The basis has a row for each ring: polar angle of its middle [degree], number of patches.
-An absorptance matrix is one row: what light from that patch leaves in the layer.
+In go the BSDFs of its layers, with the bands Visible and Solar; out come EnergyPlus objects as epJSON has them. Trees,
+and matrices of other bases, become Klems full first. Values are BSDF [1/sr], as in WINDOW's XML: EnergyPlus multiplies
+them by projected solid angles itself. A row for each exitant patch, a column for each incident one. Front is the
+outside, as in WINDOW, and an azimuth is that of the way the light goes, on either side, so WINDOW's matrices are
+EnergyPlus's as they stand. The basis has a row for each ring: polar angle of its middle [degree], number of patches. An
+absorptance matrix is one row: what light from that patch leaves in the layer.
 
-The construction is **one** solid layer, since a BSDF does not say what is between its faces: it absorbs all that is
-neither transmitted nor reflected. Infrared and conduction come from options, else from the file, else from defaults.
+Several layers have gaps of gas between them, matrices of their stack, and absorptances with all light that goes to and
+fro. One layer absorbs all that is neither transmitted nor reflected: a BSDF does not say what is between its faces.
+Infrared and conduction come from options, else from the files, else from defaults (``_energyplus_layers``).
 
 Sources: EnergyPlus Input Output Reference, Construction:ComplexFenestrationState and Matrix:TwoDimension; EnergyPlus's
 code where that is silent: WindowComplexManager.cc for rows, columns and weights (what of a beam is transmitted is the
@@ -20,39 +21,32 @@ EnergyPlus 25.2; earlier ones spelled "absoptance". An IDF has no names of field
 
 from __future__ import annotations
 
-import json
-import os
 import warnings
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bsdftree._bsdf import Bsdf, Matrix
-from bsdftree._whole_file import write_whole
+from bsdftree._combine import layer_absorptances, merge, stack
+from bsdftree._energyplus_file import Objects
+from bsdftree._energyplus_layers import DEFAULT_GAP, gap, glazing, is_shade, shade
 
 FULL = "LBNL/Klems Full"
 # What else an epJSON or IDF field would end at, and EnergyPlus's longest name.
 FORBIDDEN, LONGEST = ",;!\r\n\t", 100
-# Of the layer: our word, the file's, the default of EnergyPlus's IDD for WindowMaterial:Glazing, the range.
-THERMAL = {
-    "conductivity": ("ThermalConductivity", 0.9, (0.0, np.inf)),
-    "emissivity_front": ("EmissivityFront", 0.84, (0.0, 1.0)),
-    "emissivity_back": ("EmissivityBack", 0.84, (0.0, 1.0)),
-    "infrared_transmittance": ("TIR", 0.0, (0.0, 1.0)),
-}
-# EnergyPlus has none: common window glass.
-DEFAULT_THICKNESS = 0.003
-
-Objects = dict[str, dict[str, dict[str, Any]]]
+MOST_LAYERS = 5
+"""That a construction of EnergyPlus has."""
+Gap = float | tuple[float, str]
 
 
 def energyplus(
-    bsdf: Bsdf,
+    layers: Bsdf | Sequence[Bsdf],
     name: str | None = None,
     *,
+    gaps: Sequence[Gap] | None = None,
+    shades: Sequence[bool] | None = None,
     solar_from_visible: bool = False,
     thickness: float | None = None,
     conductivity: float | None = None,
@@ -60,21 +54,27 @@ def energyplus(
     emissivity_back: float | None = None,
     infrared_transmittance: float | None = None,
 ) -> Objects:
-    """Make a window construction for EnergyPlus: Construction:ComplexFenestrationState, its matrices and its layer.
+    """Make a window construction for EnergyPlus: Construction:ComplexFenestrationState, its matrices and its layers.
 
-    The construction is one solid layer. An absent transmission is the other one reversed, an absent reflection is
-    black, with a warning.
+    An absent transmission is the other one reversed, an absent reflection is black, with a warning.
 
     Parameters
     ----------
-    bsdf
-        With bands Visible and Solar.
+    layers
+        With bands Visible and Solar. One, which becomes one solid layer, or up to 5 from the outside to the room, which
+        are stacked as by :func:`stack`.
     name
         Of the construction; that of the BSDF unless told otherwise. All other names begin with it.
+    gaps
+        Of several layers: the distances between them [m], or distance and gas (Air, Argon, Krypton, Xenon). By default
+        0.0127 of air.
+    shades
+        Of several layers, whether each is a shade (WindowMaterial:ComplexShade) and not glass; by default, if its file
+        says how permeable it is or that the infrared passes, or has geometry.
     solar_from_visible
         Use Visible where there is no Solar. Wrong for coated glass and most fabrics.
     thickness
-        [m]; the file's, else 0.003.
+        [m]; the file's, else 0.003. This and what follows is for one layer; of several, the files' (``with_header``).
     conductivity
         [W/(m K)]; the file's, else 0.9.
     emissivity_front, emissivity_back
@@ -90,7 +90,7 @@ def energyplus(
     Raises
     ------
     ValueError
-        If a band is missing, or a name or a value cannot be written.
+        If a band is missing, layers, gaps and shades do not go together, or a name or a value cannot be written.
 
     Examples
     --------
@@ -100,49 +100,43 @@ def energyplus(
     >>> made = energyplus(half, "half", solar_from_visible=True)
     >>> round(made["Matrix:TwoDimension"]["half_layer_1_fAbs"]["values"][0]["value"], 6)
     0.5
+    >>> made = energyplus([half, half], "both", gaps=[(0.01, "Argon")], solar_from_visible=True)
+    >>> round(made["Matrix:TwoDimension"]["both_layer_2_fAbs"]["values"][0]["value"], 6)
+    0.25
     """
-    name = _checked_name(bsdf.name or "BSDF" if name is None else name)
+    layers = [layers] if isinstance(layers, Bsdf) else list(layers)
+    if not 1 <= len(layers) <= MOST_LAYERS:
+        raise ValueError(f"{len(layers)} layers; expected 1 to {MOST_LAYERS}")
+    name = _checked_name(" + ".join(layer.name or "BSDF" for layer in layers) if name is None else name)
     given = {
+        "thickness": thickness,
         "conductivity": conductivity,
         "emissivity_front": emissivity_front,
         "emissivity_back": emissivity_back,
         "infrared_transmittance": infrared_transmittance,
     }
-    layer = _layer(bsdf, thickness, given)
-    bands = _bands(bsdf, solar_from_visible)
-    visible, solar = (_full(bsdf, band) for band in bands)
-    for band, key in zip((*bands, bands[1]), ("reflection_back", "reflection_back", "reflection_front"), strict=True):
-        if key not in bsdf.components_of(band):
-            warnings.warn(f"{band} {key} is absent: taken as black", stacklevel=2)
+    materials = _materials(layers, name, gaps, shades, given)
+    with_solar = [_with_solar(layer, solar_from_visible) for layer in layers]
+    for layer in layers:
+        _say_absent(layer)
+    layers = with_solar
+    whole = layers[0] if len(layers) == 1 else stack(layers, klems="full")
+    visible, solar = (_full(whole, band) for band in ("Visible", "Solar"))
     rings = [((low + high) / 2 if low else 0.0, n) for low, high, n in solar["transmission_front"].exitant_rings]
-    absorbed = {side: _absorptance(solar, side, bands[1])[None] for side in ("front", "back")}
     matrices: dict[str, NDArray[np.float64]] = {
         "Basis": np.array(rings),
         "TfSol": _written(solar["transmission_front"]),
         "RbSol": _written(solar["reflection_back"]),
         "Tfvis": _written(visible["transmission_front"]),
         "Rbvis": _written(visible["reflection_back"]),
-        "layer_1_fAbs": absorbed["front"],
-        "layer_1_bAbs": absorbed["back"],
     }
+    for k, sides in enumerate(_absorptances(layers), 1):
+        for side, absorbed in zip("fb", sides, strict=True):
+            matrices[f"layer_{k}_{side}Abs"] = absorbed[None]
     return {
-        "Construction:ComplexFenestrationState": {
-            name: {
-                "basis_type": "LBNLWINDOW",
-                "basis_symmetry_type": "None",
-                "window_thermal_model": f"{name}_thermal",
-                "basis_matrix_name": f"{name}_Basis",
-                "solar_optical_complex_front_transmittance_matrix_name": f"{name}_TfSol",
-                "solar_optical_complex_back_reflectance_matrix_name": f"{name}_RbSol",
-                "visible_optical_complex_front_transmittance_matrix_name": f"{name}_Tfvis",
-                "visible_optical_complex_back_transmittance_matrix_name": f"{name}_Rbvis",
-                "outside_layer_name": f"{name}_layer_1",
-                "outside_layer_directional_front_absorptance_matrix_name": f"{name}_layer_1_fAbs",
-                "outside_layer_directional_back_absorptance_matrix_name": f"{name}_layer_1_bAbs",
-            }
-        },
+        "Construction:ComplexFenestrationState": {name: _construction(name, len(layers))},
         "Matrix:TwoDimension": {f"{name}_{key}": _matrix_object(values) for key, values in matrices.items()},
-        "WindowMaterial:Glazing": {f"{name}_layer_1": layer},
+        **materials,
         "WindowThermalModel:Params": {
             f"{name}_thermal": {
                 "standard": "ISO15099",
@@ -154,47 +148,57 @@ def energyplus(
     }
 
 
-def save_energyplus(path: str | os.PathLike[str], objects: Objects) -> None:
-    """Write what :func:`energyplus` made: an IDF if the path ends in .idf, else epJSON.
-
-    Parameters
-    ----------
-    path
-        The file; it is replaced when it is complete.
-    objects
-        What :func:`energyplus` returned.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-    """
-    target = Path(path)
-    text = idf_text(objects) if target.suffix.lower() == ".idf" else json.dumps(objects, indent=1) + "\n"
-    write_whole(target, text.encode())
-
-
-def idf_text(objects: Objects) -> str:
-    """Return the objects as text for an IDF."""
-    # An IDF knows fields by their order; that of ours is EnergyPlus's, but for the optical fields a layer leaves empty.
-    return "".join(_idf_object(kind, name, fields) for kind, all_ in objects.items() for name, fields in all_.items())
+def _construction(name: str, n_layers: int) -> dict[str, str]:
+    """Return the fields of Construction:ComplexFenestrationState, in EnergyPlus's order."""
+    fields = {
+        "basis_type": "LBNLWINDOW",
+        "basis_symmetry_type": "None",
+        "window_thermal_model": f"{name}_thermal",
+        "basis_matrix_name": f"{name}_Basis",
+        "solar_optical_complex_front_transmittance_matrix_name": f"{name}_TfSol",
+        "solar_optical_complex_back_reflectance_matrix_name": f"{name}_RbSol",
+        "visible_optical_complex_front_transmittance_matrix_name": f"{name}_Tfvis",
+        "visible_optical_complex_back_transmittance_matrix_name": f"{name}_Rbvis",
+    }
+    for k in range(1, n_layers + 1):
+        layer = "outside_layer" if k == 1 else f"layer_{k}"
+        fields[f"{layer}_name"] = f"{name}_layer_{k}"
+        fields[f"{layer}_directional_front_absorptance_matrix_name"] = f"{name}_layer_{k}_fAbs"
+        fields[f"{layer}_directional_back_absorptance_matrix_name"] = f"{name}_layer_{k}_bAbs"
+        if k < n_layers:
+            fields[f"gap_{k}_name"] = f"{name}_gap_{k}"
+    return fields
 
 
-def _idf_object(kind: str, name: str, fields: Mapping[str, Any]) -> str:
-    return ",\n  ".join([kind, name, *_idf_fields(kind, fields)]) + ";\n\n"
-
-
-def _idf_fields(kind: str, fields: Mapping[str, Any]) -> Iterator[str]:
-    for key, value in fields.items():
-        if key == "values":
-            # Short lines: earlier versions read 500 characters.
-            numbers = [repr(each["value"]) for each in value]
-            yield from (", ".join(numbers[i : i + 10]) for i in range(0, len(numbers), 10))
-        elif kind == "WindowMaterial:Glazing" and key == "thickness":
-            # Transmittances and reflectances of a layer that has none but its construction's.
-            yield from ["", repr(value), *[""] * 6]
-        else:
-            yield value if isinstance(value, str) else repr(value)
+def _materials(
+    layers: Sequence[Bsdf],
+    name: str,
+    gaps: Sequence[Gap] | None,
+    shades: Sequence[bool] | None,
+    given: Mapping[str, float | None],
+) -> Objects:
+    """What layers and gaps are made of."""
+    n = len(layers)
+    if n == 1:
+        rest = {key: value for key, value in given.items() if key != "thickness"}
+        return {"WindowMaterial:Glazing": {f"{name}_layer_1": glazing(layers[0], given["thickness"], rest)}}
+    if any(value is not None for value in given.values()):
+        key = next(key for key, value in given.items() if value is not None)
+        raise ValueError(f"{key} for {n} layers; expected it in the files of the layers: with_header, properties")
+    gaps = [DEFAULT_GAP] * (n - 1) if gaps is None else list(gaps)
+    shades = [is_shade(layer) for layer in layers] if shades is None else list(shades)
+    if len(gaps) != n - 1 or len(shades) != n:
+        raise ValueError(f"{n} layers with {len(gaps)} gaps and {len(shades)} shades; expected {n - 1} and {n}")
+    made: Objects = {}
+    for k, (layer, is_one) in enumerate(zip(layers, shades, strict=True), 1):
+        kind = "ComplexShade" if is_one else "Glazing"
+        fields = shade(layer) if is_one else glazing(layer, None, {})
+        made.setdefault(f"WindowMaterial:{kind}", {})[f"{name}_layer_{k}"] = fields
+    for k, each in enumerate(gaps, 1):
+        distance, gas = (each, "Air") if isinstance(each, (int, float)) else each
+        for kind, objects in gap(f"{name}_gap_{k}", distance, gas).items():
+            made.setdefault(kind, {}).update(objects)
+    return made
 
 
 def _checked_name(name: str) -> str:
@@ -207,51 +211,28 @@ def _checked_name(name: str) -> str:
     return name
 
 
-def _layer(bsdf: Bsdf, thickness: float | None, given: Mapping[str, float | None]) -> dict[str, Any]:
-    """Return the fields of WindowMaterial:Glazing, in EnergyPlus's order."""
-    if thickness is None:
-        thickness = bsdf.thickness or DEFAULT_THICKNESS
-    value = {"thickness": _in_range("thickness", thickness, (0.0, np.inf))}
-    for key, (word, default, range_) in THERMAL.items():
-        found = given[key]
-        if found is None:
-            text = bsdf.properties.get(word)
-            try:
-                found = default if text is None else float(text)
-            except ValueError:
-                raise ValueError(f"{word} of the file is {text!r}; expected a number: give {key}") from None
-        value[key] = _in_range(key, found, range_)
-    return {
-        "optical_data_type": "BSDF",
-        "thickness": value["thickness"],
-        "infrared_transmittance_at_normal_incidence": value["infrared_transmittance"],
-        "front_side_infrared_hemispherical_emissivity": value["emissivity_front"],
-        "back_side_infrared_hemispherical_emissivity": value["emissivity_back"],
-        "conductivity": value["conductivity"],
-    }
-
-
-def _in_range(key: str, value: float, range_: tuple[float, float]) -> float:
-    low, high = range_
-    # Thickness and conductivity divide.
-    if not (low <= value <= high and np.isfinite(value) and (value > 0 or high == 1)):
-        raise ValueError(f"{key} {value}; expected {'0 to 1' if high == 1 else 'a number above 0'}: give {key}")
-    return float(value)
-
-
-def _bands(bsdf: Bsdf, solar_from_visible: bool) -> tuple[str, str]:
-    there = ", ".join(bsdf.bands) or "none"
-    if "Visible" not in bsdf.bands:
+def _with_solar(layer: Bsdf, solar_from_visible: bool) -> Bsdf:
+    """The bands Visible and Solar of a layer, the latter from the former if told so."""
+    there = ", ".join(layer.bands) or "none"
+    if "Visible" not in layer.bands:
         raise ValueError(f"no band Visible; there are: {there}. EnergyPlus needs Visible and Solar")
-    if "Solar" in bsdf.bands:
-        return "Visible", "Solar"
+    if "Solar" in layer.bands:
+        return layer
     if solar_from_visible:
-        return "Visible", "Visible"
+        visible = layer.select(bands=["Visible"])
+        return merge([visible, visible.select(rename=("Visible", "Solar"))])
     raise ValueError(
         f"no band Solar; there are: {there}. EnergyPlus needs it for heat: generate with --bands Visible,Solar, add it"
         " by `bsdftree merge visible.xml solar.xml@Solar`, or let Visible stand for it by --solar-from-visible"
         " (solar_from_visible=True)"
     )
+
+
+def _say_absent(layer: Bsdf) -> None:
+    solar = "Solar" if "Solar" in layer.bands else "Visible"
+    for band, key in (("Visible", "reflection_back"), (solar, "reflection_back"), (solar, "reflection_front")):
+        if key not in layer.components_of(band):
+            warnings.warn(f"{band} {key} is absent: taken as black", stacklevel=3)
 
 
 def _full(bsdf: Bsdf, band: str) -> dict[str, Matrix]:
@@ -277,19 +258,19 @@ def _reversed(matrix: Matrix) -> Matrix:
     return Matrix.from_values(matrix.values.T[np.ix_(half_turned, half_turned)], "full")
 
 
-def _absorptance(band: Mapping[str, Matrix], side: str, name: str) -> NDArray[np.float64]:
-    """1 - T - R of light from each patch of a side."""
-    scattered = np.zeros(145)
-    for part in ("transmission", "reflection"):
-        matrix = band[f"{part}_{side}"]
-        scattered += np.asarray(matrix.values, np.float64) @ matrix.projected_solid_angles()[1]
-    if scattered.max() > 1.001:
-        warnings.warn(
-            f"{name}: light from the {side} (WINDOW's) becomes up to {scattered.max():.3f} of itself: absorptance 0"
-            " there; see bsdftree check",
-            stacklevel=3,
-        )
-    return np.clip(1 - scattered, 0, 1)
+def _absorptances(layers: Sequence[Bsdf]) -> NDArray[np.float64]:
+    """Of light from each patch of both sides, what each layer absorbs, (layers, 2, 145)."""
+    absorbed = layer_absorptances(layers, "Solar", klems="full")
+    for k, sides in enumerate(absorbed, 1):
+        for side, each in zip(("front", "back"), sides, strict=True):
+            if each.min() < -0.001:
+                of = "" if len(layers) == 1 else f" by layer {k}"
+                warnings.warn(
+                    f"Solar: light from the {side} (WINDOW's) becomes up to {1 - each.min():.3f} of itself{of}:"
+                    " absorptance 0 there; see bsdftree check",
+                    stacklevel=3,
+                )
+    return np.clip(absorbed, 0, 1)
 
 
 def _written(matrix: Matrix) -> NDArray[np.float64]:

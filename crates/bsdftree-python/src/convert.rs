@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bsdftree::Part;
 use bsdftree::convert::{Mirror, StackDomain, TreeOptions, default_domain};
+use numpy::PyArray3;
 use pyo3::prelude::*;
 
 use crate::bsdf::Bsdf;
@@ -108,16 +109,44 @@ pub fn stack(
     tolerance: f64,
 ) -> PyResult<Bsdf> {
     let layers: Vec<&bsdftree::Bsdf> = layers.iter().map(|layer| &layer.bsdf).collect();
-    let domain = match (klems, log2_res) {
+    let domain = domain_of(&layers, klems, subdivide, log2_res, tolerance)?;
+    py.detach(|| bsdftree::convert::stack(&layers, &domain)).map(made).map_err(value_error)
+}
+
+/// Of light from each incident cell, what each layer of a stack absorbs: (layers, sides, cells).
+#[pyfunction]
+pub fn layer_absorptances<'py>(
+    py: Python<'py>,
+    layers: Vec<PyRef<'_, Bsdf>>,
+    band: &str,
+    klems: Option<Klems>,
+    subdivide: u32,
+    log2_res: Option<u32>,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let layers: Vec<&bsdftree::Bsdf> = layers.iter().map(|layer| &layer.bsdf).collect();
+    let domain = domain_of(&layers, klems, subdivide, log2_res, 0.0)?;
+    let found =
+        py.detach(|| bsdftree::convert::layer_absorptances(&layers, band, &domain)).map_err(value_error)?;
+    let nested: Vec<Vec<Vec<f64>>> = found.into_iter().map(|a| vec![a.front, a.back]).collect();
+    PyArray3::from_vec3(py, &nested).map_err(value_error)
+}
+
+fn domain_of(
+    layers: &[&bsdftree::Bsdf],
+    klems: Option<Klems>,
+    subdivide: u32,
+    log2_res: Option<u32>,
+    tolerance: f64,
+) -> PyResult<StackDomain> {
+    Ok(match (klems, log2_res) {
         (Some(_), Some(_)) => {
             return Err(value_error("a Klems basis and a resolution of trees; expected one of them"));
         }
         (Some(klems), None) => StackDomain::Klems(Arc::new(klems_basis(klems, subdivide)?)),
         (None, Some(log2_res)) => StackDomain::Tree { log2_res, tolerance },
-        (None, None) => match default_domain(&layers) {
+        (None, None) => match default_domain(layers) {
             StackDomain::Tree { log2_res, .. } => StackDomain::Tree { log2_res, tolerance },
             klems => klems,
         },
-    };
-    py.detach(|| bsdftree::convert::stack(&layers, &domain)).map(made).map_err(value_error)
+    })
 }

@@ -46,6 +46,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(convert::chosen, module)?)?;
     module.add_function(wrap_pyfunction!(convert::merge, module)?)?;
     module.add_function(wrap_pyfunction!(convert::stack, module)?)?;
+    module.add_function(wrap_pyfunction!(convert::layer_absorptances, module)?)?;
     module.add_function(wrap_pyfunction!(matrices::matrix, module)?)?;
     module.add_function(wrap_pyfunction!(matrices::patch_areas, module)?)?;
     module.add_function(wrap_pyfunction!(matrices::read_radiance_matrix, module)?)?;

@@ -36,18 +36,18 @@ def is_energyplus(target: str, options: dict[str, Any]) -> bool:
     """Whether the ending is EnergyPlus's; if it is not, none of its options may be there."""
     if target.lower().endswith(ENDINGS):
         return True
-    given = [key for key, value in options.items() if value not in (None, False)]
+    given = [key for key, value in options.items() if value]
     if given:
         raise click.UsageError(f"--{given[0].replace('_', '-')} is for .idf and .epJSON; OUT is {target}")
     return False
 
 
-def write_energyplus(bsdf: Bsdf, target: str, options: dict[str, Any]) -> None:
+def write_energyplus(layers: Bsdf | list[Bsdf], target: str, options: dict[str, Any]) -> None:
     """Write the construction, and say on standard error what is doubtful in it."""
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always")
         try:
-            objects = energyplus(bsdf, **options)
+            objects = energyplus(layers, **options)
         except ValueError as error:
             raise ValueError(f"{target}: {error}") from None
     tell(dict.fromkeys(str(doubt.message) for doubt in doubts))

@@ -12,11 +12,13 @@ mod grow;
 mod isotropic;
 mod matrix;
 mod merge;
+mod operator;
 mod overlap;
 mod polygon;
 mod rows;
 mod scout;
 mod stack;
+mod absorptance;
 mod symmetry;
 mod tree;
 mod xyz;
@@ -25,6 +27,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
+pub use absorptance::{Absorptance, layer_absorptances};
 pub use distance::relative_l1;
 pub use function::FunctionError;
 pub use merge::merge;

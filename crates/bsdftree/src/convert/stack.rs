@@ -6,9 +6,7 @@
 //!
 //! Tf = T1f S T2f, Rf = R1f + T1f S R2f T1b, Tb = T2b S′ T1b, Rb = R2b + T2b S′ R1b T2f, S = (I − R2f R1b)⁻¹, S′ = (I − R1b R2f)⁻¹.
 //!
-//! An index means the same direction of travel everywhere: what leaves one layer through a cell arrives at the next in the incident cell
-//! of that number. Source: J. H. Klems, "A new method for predicting the solar heat gain of complex fenestration systems", ASHRAE
-//! Transactions 100, 1994. The inverse is the product (I + A)(I + A²)(I + A⁴)…, which needs products only.
+//! Source: J. H. Klems, "A new method for predicting the solar heat gain of complex fenestration systems", ASHRAE Transactions 100, 1994.
 //!
 //! Assumed as there: light leaves a cell evenly over all of it, so a peak widens by up to a cell at each layer; layers are wide beside
 //! their distance. Colour is followed as Radiance's red, green and blue.
@@ -17,6 +15,7 @@ use std::sync::Arc;
 
 use super::grow::Grower;
 use super::matrix::matrix;
+use super::operator::{Layer, Operator};
 use super::rows::from_rows;
 use super::{ConvertError, xyz};
 use crate::bsdf::{Band, Bsdf, Component, Part, Scattering};
@@ -42,34 +41,13 @@ pub enum StackDomain {
     },
 }
 
-/// A square matrix, row-major.
-#[derive(Clone)]
-struct Operator {
-    n: usize,
-    values: Vec<f64>,
-}
-
-/// A layer or stack: what happens to light from the outside (front) and from the room (back).
-#[derive(Clone)]
-struct Layer {
-    /// By [`Part`] as a number.
-    parts: [Operator; 4],
-}
-
 /// The BSDF of layers, the first one outside, the last one towards the room. Bands that all of them have.
 ///
 /// # Errors
 /// If there is no layer or no common band, a tree cannot be had over the domain, or layers reflect all light between them.
 pub fn stack(layers: &[&Bsdf], domain: &StackDomain) -> Result<Bsdf, ConvertError> {
     let [first, others @ ..] = layers else { return Err(ConvertError::NoLayers) };
-    if let &StackDomain::Tree { log2_res, tolerance } = domain {
-        if !(1..=MAX_STACK_LOG2_RES).contains(&log2_res) {
-            return Err(ConvertError::StackResolution(log2_res));
-        }
-        if !(0.0..1.0).contains(&tolerance) {
-            return Err(ConvertError::Tolerance(tolerance));
-        }
-    }
+    domain.check()?;
     let mut made = Bsdf::default();
     let names: Vec<_> = layers.iter().map(|layer| layer.header.name.as_str()).collect();
     made.header.name = names.join(" + ");
@@ -94,7 +72,7 @@ fn stacked_band(bands: &[&Band], domain: &StackDomain) -> Result<Band, ConvertEr
         let layer = domain.layer(band, is_coloured, &areas)?;
         channels = match k {
             0 => layer,
-            _ => channels.iter().zip(&layer).map(|(a, b)| behind(a, b)).collect::<Result<_, _>>()?,
+            _ => channels.iter().zip(&layer).map(|(a, b)| a.followed_by(b)).collect::<Result<_, _>>()?,
         };
     }
     let mut made = Band::new(&bands[0].name);
@@ -121,8 +99,21 @@ fn stacked_band(bands: &[&Band], domain: &StackDomain) -> Result<Band, ConvertEr
 }
 
 impl StackDomain {
+    /// An error if layers are not stacked over it.
+    pub(super) fn check(&self) -> Result<(), ConvertError> {
+        match *self {
+            StackDomain::Tree { log2_res, .. } if !(1..=MAX_STACK_LOG2_RES).contains(&log2_res) => {
+                Err(ConvertError::StackResolution(log2_res))
+            }
+            StackDomain::Tree { tolerance, .. } if !(0.0..1.0).contains(&tolerance) => {
+                Err(ConvertError::Tolerance(tolerance))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Projected solid angles of all cells \[sr\].
-    fn areas(&self) -> Vec<f64> {
+    pub(super) fn areas(&self) -> Vec<f64> {
         match self {
             StackDomain::Klems(basis) => {
                 (0..basis.n_patches()).map(|k| basis.projected_solid_angle(k)).collect()
@@ -135,7 +126,12 @@ impl StackDomain {
     }
 
     /// The four operators of a band: one set, or with colour one for each of red, green and blue.
-    fn layer(&self, band: &Band, is_coloured: bool, areas: &[f64]) -> Result<Vec<Layer>, ConvertError> {
+    pub(super) fn layer(
+        &self,
+        band: &Band,
+        is_coloured: bool,
+        areas: &[f64],
+    ) -> Result<Vec<Layer>, ConvertError> {
         let n = areas.len();
         let black = || Layer { parts: std::array::from_fn(|_| Operator { n, values: vec![0.0; n * n] }) };
         let mut layers = if is_coloured { vec![black(), black(), black()] } else { vec![black()] };
@@ -208,77 +204,6 @@ impl StackDomain {
                 Ok(grower.finish(root).into())
             }
         }
-    }
-}
-
-/// Layer `b` behind layer or stack `a`, towards the room.
-fn behind(a: &Layer, b: &Layer) -> Result<Layer, ConvertError> {
-    let of = |layer: &Layer, part: Part| layer.parts[part as usize].clone();
-    let (t1f, t1b) = (of(a, Part::TransmissionFront), of(a, Part::TransmissionBack));
-    let (r1f, r1b) = (of(a, Part::ReflectionFront), of(a, Part::ReflectionBack));
-    let (t2f, t2b) = (of(b, Part::TransmissionFront), of(b, Part::TransmissionBack));
-    let (r2f, r2b) = (of(b, Part::ReflectionFront), of(b, Part::ReflectionBack));
-    let inward = t1f.times(&r2f.times(&r1b).resolvent()?);
-    let outward = t2b.times(&r1b.times(&r2f).resolvent()?);
-    let mut parts = [r1f, r2b, inward.times(&t2f), outward.times(&t1b)];
-    parts[0].add(&inward.times(&r2f).times(&t1b));
-    parts[1].add(&outward.times(&r1b).times(&t2f));
-    Ok(Layer { parts })
-}
-
-impl Operator {
-    fn times(&self, other: &Operator) -> Operator {
-        let n = self.n;
-        let mut values = vec![0.0; n * n];
-        let stride = n as isize;
-        // SAFETY: all three are n × n, row-major, and `values` is none of the others.
-        unsafe {
-            matrixmultiply::dgemm(
-                n,
-                n,
-                n,
-                1.0,
-                self.values.as_ptr(),
-                stride,
-                1,
-                other.values.as_ptr(),
-                stride,
-                1,
-                0.0,
-                values.as_mut_ptr(),
-                stride,
-                1,
-            );
-        }
-        Operator { n, values }
-    }
-
-    fn add(&mut self, other: &Operator) {
-        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
-    }
-
-    /// (I − self)⁻¹.
-    fn resolvent(self) -> Result<Operator, ConvertError> {
-        /// Light that is left when 2^24 reflections have been followed is not going to leave.
-        const MAX_DOUBLINGS: usize = 24;
-        let n = self.n;
-        let mut sum = Operator { n, values: vec![0.0; n * n] };
-        (0..n).for_each(|k| sum.values[k * n + k] = 1.0);
-        let mut power = self;
-        for _ in 0..MAX_DOUBLINGS {
-            // sum ← sum + sum·power
-            let more = sum.times(&power);
-            sum.add(&more);
-            let left = power.values.chunks_exact(n).map(|row| row.iter().sum::<f64>()).fold(0.0, f64::max);
-            if left < 1e-12 {
-                return Ok(sum);
-            }
-            if !left.is_finite() {
-                break;
-            }
-            power = power.times(&power);
-        }
-        Err(ConvertError::Trapped)
     }
 }
 
