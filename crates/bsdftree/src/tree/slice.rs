@@ -126,12 +126,14 @@ impl Slice {
     #[inline(always)]
     pub fn sample_from(&self, begin: usize, u: f64, v: Option<f64>) -> (Place, f64) {
         let target = target(u);
+        // What is before an entry is a whole number.
+        let whole = target as u32;
         let entries = self.entries();
         let mut k = begin;
         let mut entry = entries[k];
         let mut end = ONE;
         while let Some(next) = entries.get(k + 1) {
-            if f64::from(next.before) > target {
+            if next.before > whole {
                 end = u64::from(next.before);
                 break;
             }
@@ -160,9 +162,9 @@ fn target(u: f64) -> f64 {
     u.clamp(0.0, BELOW_ONE) * ONE as f64
 }
 
-/// A quarter as many parts as there are entries: comparing a few of them costs less than memory.
+/// A third as many parts as there are entries: comparing a few of them costs less than memory.
 fn guide(entries: &[Entry]) -> Vec<u32> {
-    let n = entries.len().div_ceil(4);
+    let n = entries.len().div_ceil(3);
     let mut k = 0;
     let part = |j: usize| {
         // The least number that belongs to the part.
