@@ -6,6 +6,7 @@
 //!
 //! Source: Radiance's bsdf2klems and bsdf2ttree, which sample.
 
+mod asker;
 mod distance;
 mod function;
 mod grow;
@@ -15,6 +16,7 @@ mod merge;
 mod operator;
 mod overlap;
 mod polygon;
+mod refine;
 mod rows;
 mod scout;
 mod stack;
