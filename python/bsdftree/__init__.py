@@ -11,9 +11,10 @@ the front, is the room. Values have **no cosine**.
 0.9
 """
 
-from bsdftree._bsdf import Bsdf, Matrix, Sample, Tree, load
+from bsdftree._bsdf import Bsdf, load
 from bsdftree._check import BandCheck, Check, Energy, Finding, Gamut, Mended, Noise, Reciprocity, Symmetry
 from bsdftree._combine import layer_absorptances, merge, stack
+from bsdftree._component import Matrix, Tree
 from bsdftree._core import __version__
 from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
@@ -24,6 +25,7 @@ from bsdftree._lobes import save_lobes
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
 from bsdftree._package import package
 from bsdftree._peaks import Peak, PeakFamily
+from bsdftree._queries import Sample
 from bsdftree._report import BandReport, GenerationReport, Resumed
 
 __all__ = [

@@ -28,8 +28,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bsdftree._bsdf import Bsdf, Matrix
+from bsdftree._bsdf import Bsdf
 from bsdftree._combine import layer_absorptances, merge, stack
+from bsdftree._component import Matrix
 from bsdftree._energyplus_file import Objects
 from bsdftree._energyplus_layers import DEFAULT_GAP, gap, glazing, is_shade, shade
 

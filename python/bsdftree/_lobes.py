@@ -14,7 +14,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bsdftree._bsdf import Bsdf, Matrix, Tree
+from bsdftree._bsdf import Bsdf
+from bsdftree._component import Matrix, Tree
 from bsdftree._directions import direction_from_square, polar_from_direction
 from bsdftree._whole_file import write_whole
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bsdftree._bsdf import Array, Bsdf, Part
+from bsdftree._bsdf import Bsdf
+from bsdftree._component import Array
 from bsdftree._directions import direction_from_polar
+from bsdftree._queries import Part
 
 # Azimuths that avoid the symmetry planes of most devices.
 _PHI_DEG = (np.arange(16) + 0.5) * 22.5

@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from bsdftree import Bsdf, Matrix, Tree, write_radiance_matrix
-from bsdftree._bsdf import COMPONENTS
+from bsdftree._component import COMPONENTS
 from bsdftree.cli._common import BASES, PERCENT, read, repair_option, with_input_errors
 from bsdftree.cli._energyplus_output import energyplus_options, is_energyplus, write_energyplus
 

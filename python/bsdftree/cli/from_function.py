@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from bsdftree import Bsdf
-from bsdftree._bsdf import COMPONENTS
+from bsdftree._component import COMPONENTS
 from bsdftree.cli._common import PERCENT, with_input_errors
 
 

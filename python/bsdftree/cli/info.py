@@ -9,7 +9,7 @@ import click
 from rich.console import Console
 
 from bsdftree import Bsdf, PeakFamily, Tree, polar_from_direction
-from bsdftree._bsdf import Part
+from bsdftree._queries import Part
 from bsdftree._totals import mean_total, totals_by_azimuth
 from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
 

@@ -8,7 +8,7 @@ import click
 
 import bsdftree
 from bsdftree import Bsdf
-from bsdftree._bsdf import COMPONENTS
+from bsdftree._component import COMPONENTS
 from bsdftree.cli._common import read, repair_option, with_input_errors
 
 _GROUPS = {

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bsdftree import Bsdf, Matrix, Tree
-from bsdftree._bsdf import Part
+from bsdftree._queries import Part
 from bsdftree._totals import mean_total
 
 Array = NDArray[np.float64]

@@ -1,0 +1,196 @@
+"""What a BSDF is made of: trees and matrices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bsdftree import _core
+
+COMPONENTS = ("reflection_front", "reflection_back", "transmission_front", "transmission_back")
+"""All components; front is the outside here, as in WINDOW."""
+
+Array = NDArray[np.float64]
+
+
+class Tree:
+    """A tensor tree: one BSDF component, subdivided where it changes.
+
+    Attributes
+    ----------
+    rank : int
+        3 (isotropic: incident polar angle, exitant direction) or 4.
+    depth : int
+        Deepest subdivision: 2^depth cells per axis.
+    n_leaves : int
+        Number of values.
+    nbytes : int
+        Memory of the tree [byte].
+    """
+
+    def __init__(self, core: _core.Tree) -> None:
+        self._core = core
+        self.rank = core.rank
+        self.depth = core.depth
+        self.n_leaves = core.n_leaves
+        self.nbytes = core.nbytes
+
+    @classmethod
+    def from_grid(cls, values: ArrayLike) -> Tree:
+        """Build a tree from a uniform grid; equal neighbours become one leaf.
+
+        Parameters
+        ----------
+        values
+            BSDF [1/sr], shape (2^N,) * rank with rank 3 or 4. Axes as in the file format: rank 4 is incident x, y and
+            exitant x, y of the Shirley-Chiu square; rank 3 is incident polar angle and exitant x, y.
+
+        Raises
+        ------
+        ValueError
+            If the shape is not that, or a value is negative or not finite.
+
+        Examples
+        --------
+        >>> Tree.from_grid(np.full((4, 4, 4, 4), 0.2)).n_leaves
+        1
+        """
+        array = np.asarray(values, np.float32)
+        if array.ndim not in (3, 4) or len(set(array.shape)) != 1:
+            raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
+        return cls(_core.Tree._from_grid(np.ascontiguousarray(array).reshape(-1), array.ndim))
+
+    @classmethod
+    def from_raw(cls, values: bytes | ArrayLike, rank: int = 4) -> Tree:
+        """Build a tree from what rttree_reduce reads: all values of a uniform grid, one after the other.
+
+        Parameters
+        ----------
+        values
+            Bytes of 32-bit floats (``-ff``), or numbers, such as ``np.loadtxt(path)`` of a text file (``-fa``). The
+            last axis varies fastest.
+        rank
+            3 or 4.
+
+        Raises
+        ------
+        ValueError
+            If there are not (2^N)^rank of them.
+
+        Examples
+        --------
+        >>> Tree.from_raw(np.full(256, 0.2, np.float32).tobytes()).n_leaves
+        1
+        """
+        array = np.frombuffer(values, np.float32) if isinstance(values, bytes) else np.asarray(values, np.float32)
+        n = round(array.size ** (1 / rank)) if rank in (3, 4) else 0
+        if not n or n**rank != array.size:
+            raise ValueError(f"{array.size} values; expected (2^N)^{rank}, with rank 3 or 4")
+        return cls.from_grid(array.reshape((n,) * rank))
+
+    def to_grid(self, log2_res: int | None = None) -> NDArray[np.float32]:
+        """Values on a uniform grid.
+
+        Parameters
+        ----------
+        log2_res
+            2^log2_res cells per axis; the tree's own depth by default. Coarser cells are means.
+
+        Returns
+        -------
+        ndarray
+            Shape (2^log2_res,) * rank [1/sr].
+
+        Raises
+        ------
+        ValueError
+            If the grid would have over 2^31 values.
+        """
+        log2_res = self.depth if log2_res is None else log2_res
+        if not 0 <= log2_res * self.rank <= 31:
+            raise ValueError(f"a grid of 2^{log2_res} cells along {self.rank} axes; expected at most 2^31 in all")
+        return self._core._to_grid(log2_res).reshape((1 << log2_res,) * self.rank)
+
+    def leaves(self) -> tuple[NDArray[np.uint32], NDArray[np.uint32], NDArray[np.float32]]:
+        """All leaves.
+
+        Returns
+        -------
+        cells : ndarray
+            Lower corners in units of each leaf's own edge, (n_leaves, rank).
+        levels : ndarray
+            Edge is 2^-level, (n_leaves,).
+        values : ndarray
+            [1/sr], (n_leaves,).
+        """
+        return self._core.leaves()
+
+    def __repr__(self) -> str:
+        return repr(self._core)
+
+
+class Matrix:
+    """A Klems matrix: one BSDF component over fixed patches.
+
+    Attributes
+    ----------
+    values : ndarray
+        [1/sr], (incident patches, exitant patches). WINDOW's text has the transpose.
+    incident_basis, exitant_basis : str
+        Names of the angle bases.
+    incident_rings, exitant_rings : list of (lower, upper, n)
+        Polar angles [degree] and number of patches of each ring, from the normal outwards.
+    nbytes : int
+        Memory of the values [byte].
+    """
+
+    def __init__(self, core: _core.Matrix) -> None:
+        self._core = core
+        self.values = core.values
+        self.incident_basis = core.incident_basis
+        self.exitant_basis = core.exitant_basis
+        self.incident_rings = core.incident_rings
+        self.exitant_rings = core.exitant_rings
+        self.nbytes = core.nbytes
+
+    @classmethod
+    def from_values(
+        cls, values: ArrayLike, basis: str | list[tuple[float, float, int]] = "full", *, subdivide: int = 1
+    ) -> Matrix:
+        """Make a matrix of an array.
+
+        Parameters
+        ----------
+        values
+            [1/sr], (incident patches, exitant patches).
+        basis, subdivide
+            As in :meth:`Bsdf.to_klems`.
+
+        Raises
+        ------
+        ValueError
+            If the shape is not that of the basis, or a value is negative or not finite.
+        """
+        return cls(_core.matrix(np.asarray(values, np.float32), basis, subdivide))
+
+    def projected_solid_angles(self) -> tuple[Array, Array]:
+        """Projected solid angles [sr] of the incident and the exitant patches."""
+        incident, exitant = _core.patch_areas(self._core)
+        return incident, exitant
+
+    def weighted(self) -> Array:
+        """What dctimestep multiplies by: value times projected solid angle of the incident patch.
+
+        Returns
+        -------
+        ndarray
+            (exitant patches, incident patches): radiance out for radiance in. ``write_radiance_matrix`` writes it.
+        """
+        return np.asarray(self.values.T * self.projected_solid_angles()[0], np.float64)
+
+    def __repr__(self) -> str:
+        return repr(self._core)
+
+
+def wrapped(core: _core.Tree | _core.Matrix) -> Tree | Matrix:
+    return Tree(core) if isinstance(core, _core.Tree) else Matrix(core)
