@@ -74,10 +74,10 @@ def test_stack_of_trees_is_exact_where_nothing_differs_within_a_cell(pane_outsid
         assert standard_score(*(totals(each, key, np.pi / 64) for each in (a, b))).max() < 7.1, key
 
 
-@pytest.mark.parametrize("pane_outside", [True, False])
-def test_glass_and_slats_far_apart_differ_from_tracing_by_the_size_of_patches_alone(pane_outside):
+@pytest.mark.parametrize(("pane", "pane_outside"), [("glass", True), ("glass", False), ("dielectric", True)])
+def test_glass_and_slats_far_apart_differ_from_tracing_by_the_size_of_patches_alone(pane, pane_outside):
     """Finer patches agree: what is left is less than noise and the step from coarse to fine."""
-    stack = Stack("glossy", "glass", pane_outside, gap=0.1)
+    stack = Stack("glossy", pane, pane_outside, gap=0.1)
     b = traced(stack, klems="quarter")
     coarse = [functions(s) for s in stacked(stack, klems="quarter")]
     fine = [functions(s.to_klems("quarter")) for s in stacked(stack, 200, klems=split("quarter", 3))]

@@ -29,6 +29,8 @@ PANES = {
     # Takes the same of all light and reflects nothing: nothing of it differs within a cell.
     "film": "void trans pane 0 0 7 .6 .6 .6 0 0 1 1\n",
     "glass": "void glass pane 0 0 4 .96 .96 .96 1.52\n",
+    # A solid of two surfaces.
+    "dielectric": "void dielectric pane 0 0 5 .05 .05 .05 1.52 0\n",
 }
 BASIS = "quarter"
 """Klems patches over which stacks are compared; layers are stacked over these, or over parts of them."""
@@ -48,18 +50,26 @@ class Stack:
 
     def alone(self) -> list[Device]:
         """Return the layers from the outside to the room."""
-        layers = [PANES[self.pane] + _pane(-0.01), SHADES[self.shade] + _slat(0.0)]
+        layers = [PANES[self.pane] + self._pane(-0.01), SHADES[self.shade] + _slat(0.0)]
         return [Device.parse(text) for text in (layers if self.pane_outside else layers[::-1])]
 
     def together(self) -> Device:
         """Both in one scene."""
         pane, slat = (-DEPTH - self.gap, 0.0) if self.pane_outside else (0.0, -self.gap)
-        return Device.parse(PANES[self.pane] + SHADES[self.shade] + _pane(pane) + _slat(slat))
+        return Device.parse(PANES[self.pane] + SHADES[self.shade] + self._pane(pane) + _slat(slat))
+
+    def _pane(self, z: float) -> str:
+        """The pane, its foremost surface at z."""
+        if self.pane == "dielectric":
+            return _square("a", z, 1) + _square("b", z - 0.004, -1)
+        return _square("a", z, 1)
 
 
-def _pane(z: float) -> str:
+def _square(name: str, z: float, side: int) -> str:
+    """All of a period at z, that faces +Z or -Z."""
     r = SPACING / 2
-    return f"pane polygon p 0 0 12 {-r} {-r} {z} {r} {-r} {z} {r} {r} {z} {-r} {r} {z}\n"
+    corners = [(-r, -r), (r, -r), (r, r), (-r, r)][::side]
+    return f"pane polygon {name} 0 0 12 " + " ".join(f"{x} {y} {z}" for x, y in corners) + "\n"
 
 
 def _slat(z: float) -> str:
