@@ -163,6 +163,9 @@ def simulate(model: Path, folder: Path, *variables: str) -> tuple[str, list[list
     api.runtime.callback_end_zone_timestep_after_zone_reporting(state, each)
     api.runtime.set_console_output_status(state, False)
     code = api.runtime.run_energyplus(state, ["-d", str(folder), str(model)])
+    # More than 100 MB each.
+    api.state_manager.delete_state(state)
+    api.runtime.clear_callbacks()
     errors = (folder / "eplusout.err").read_text()
     assert code == 0, errors
     return errors, found
