@@ -31,10 +31,12 @@
 //!
 //! | Radiance's BSDF library | here |
 //! |---|---|
-//! | `SDloadFile` | [`file::read`]: XML ([`xml`]) or the binary twin ([`binary`]) |
+//! | `SDloadFile`, `SDfreeBSDF` | [`file::read`]: XML ([`xml`]) or the binary twin ([`binary`]); dropping the [`Bsdf`] |
 //! | `SDevalBSDF` | [`Band::eval`], [`Band::eval_xyz`] |
 //! | `SDsampBSDF` | [`Band::sample`], with its density [`Band::pdf`] |
 //! | `SDdirectHemi` | [`Band::hemispherical`] |
+//! | `SDmultiSamp` | numbers of yours: stratified ones give stratified directions |
+//! | `SDcacheFile`, `SDfreeCache` | the [`Bsdf`] itself: read it once, share it between threads |
 //! | one call for each pair | [`Band::eval_many`], [`Band::sample_many`] and the like, many times as fast |
 //! | `SDsizeBSDF` | [`Band::projected_solid_angle`], for many pairs [`Band::projected_solid_angle_many`], [`Band::projected_solid_angle_range`] |
 //! | the extracted Lambertian part | [`Scattering::lambertian`] |
