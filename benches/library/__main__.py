@@ -54,9 +54,10 @@ def largest(b: Bsdf) -> Tree | Matrix:
     return max(b.components.values(), key=lambda c: c.n_leaves if isinstance(c, Tree) else c.values.size)
 
 
-def by_rust(files: list[Path]) -> dict[str, Figures]:
+def by_rust(files: list[Path], *options: str) -> dict[str, Figures]:
     """Figures of the Rust benchmark by file."""
-    printed = subprocess.run([*CARGO, "--json", *map(str, files)], cwd=ROOT, check=True, capture_output=True, text=True)
+    command = [*CARGO, "--json", *options, *map(str, files)]
+    printed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
     figures: dict[str, Figures] = {str(path): {} for path in files}
     for line in printed.stdout.splitlines():
         found = json.loads(line)
@@ -65,7 +66,7 @@ def by_rust(files: list[Path]) -> dict[str, Figures]:
 
 
 def by_numpy(path: Path) -> Figures:
-    """Millions a second from NumPy, of the component with the most values as a reflection from the room."""
+    """Per cent of the Rust rate just before and after, of the component with most values, reflecting to the room."""
     rng = np.random.default_rng(1)
     tree = largest(bsdftree.load(path, strict=False))
     assert isinstance(tree, Tree)
@@ -78,7 +79,15 @@ def by_numpy(path: Path) -> Figures:
         "hemispherical": lambda: b.hemispherical(incident),
         "projected solid angle": lambda: b.projected_solid_angle(incident, exitant),
     }
-    return {what: N / best(work) / 1e6 for what, work in works.items()}
+
+    def share(what: str, work: Callable[[], object]) -> float:
+        def rate() -> float:
+            return by_rust([path], f"--only={what}")[str(path)][what]
+
+        before, numpy, after = rate(), N / best(work) / 1e6, rate()
+        return 100 * numpy / max(before, after)
+
+    return {f"NumPy: {what}": share(what, work) for what, work in works.items()}
 
 
 def by_radiance(path: Path, call: float) -> Figures:
@@ -199,9 +208,7 @@ def main() -> None:
         call = call_cost(folder)
         theirs = {title: by_radiance(path.with_suffix(".xml"), call) for title, path in files.items()}
         for title, path in files.items():
-            for what, rate in by_numpy(path).items():
-                ours[title][f"NumPy: {what}"] = 100 * rate / ours[title][what]
-            ours[title] |= of_radiance(title, path, data, folder)
+            ours[title] |= by_numpy(path) | of_radiance(title, path, data, folder)
             if ours[title]["values"] > LARGE:
                 ours[title] |= cold(path.with_suffix(".xml"))
         show(files, ours, theirs)
