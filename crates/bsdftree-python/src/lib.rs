@@ -11,6 +11,7 @@ mod generate;
 mod layout;
 mod matrices;
 mod peaks;
+mod reduce;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -34,6 +35,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(device::device_families, module)?)?;
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::reduced, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::loss, module)?)?;
     module.add_function(wrap_pyfunction!(check::repaired, module)?)?;
     module.add_function(wrap_pyfunction!(check::faults, module)?)?;
     module.add_function(wrap_pyfunction!(peaks::peaks, module)?)?;

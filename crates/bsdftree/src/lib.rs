@@ -55,6 +55,7 @@ pub mod cell;
 pub mod query;
 mod many;
 pub mod convert;
+pub mod reduce;
 pub mod peaks;
 pub mod check;
 pub mod repair;

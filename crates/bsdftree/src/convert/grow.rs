@@ -27,7 +27,7 @@ impl Branch {
 
 /// Squared sines of the incident polar angles of a layer of cells of a rank-3 tree: the inner and the outer border of a ring, both
 /// 0 if it is never read. The shift of 10⁻⁶ that puts normal incidence into the read half is left out.
-pub(super) fn squared_radii(level: u32, layer: u32) -> [f64; 2] {
+pub(crate) fn squared_radii(level: u32, layer: u32) -> [f64; 2] {
     let edge = 0.5f64.powi(level as i32);
     let d0 = f64::from(layer) * edge;
     [d0 + edge, d0].map(|d0| (1.0 - 2.0 * d0).max(0.0).powi(2))

@@ -32,6 +32,7 @@ use thiserror::Error;
 pub use absorptance::{Absorptance, layer_absorptances};
 pub use distance::relative_l1;
 pub use function::FunctionError;
+pub(crate) use grow::squared_radii;
 pub use merge::merge;
 pub use stack::{MAX_STACK_LOG2_RES, StackDomain, default_domain, stack};
 pub use symmetry::Mirror;

@@ -222,6 +222,22 @@ impl Arena {
         level_order::fault(slots, self.rank, self.log2_res)
     }
 
+    /// The same tree with its nodes level by level, the root first, so that the k-th link of all is to node k.
+    pub(crate) fn in_level_order(&self) -> Arena {
+        let root = self.root();
+        let is_ordered =
+            root == self.top && (root == Slot::link(0) || self.n_nodes == 0) && self.links_fault().is_none();
+        if is_ordered {
+            return self.clone();
+        }
+        let slots = level_order::slots(self);
+        let n_nodes = (slots.len() / self.rank.n_children()) as u32;
+        let top = if n_nodes == 0 { root } else { Slot::link(0) };
+        let mut lines = vec![Line([Slot(0); 16]); slots.len().div_ceil(16)];
+        bytemuck::cast_slice_mut::<Line, Slot>(&mut lines)[..slots.len()].copy_from_slice(&slots);
+        Arena { n_nodes, lines: lines.into(), top, is_sound: true.into(), ..*self }
+    }
+
     /// The children of a node, 2^rank of them.
     #[inline]
     pub fn children(&self, node: u32) -> &[Slot] {

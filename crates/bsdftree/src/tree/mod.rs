@@ -24,6 +24,7 @@ pub use batch::Instructions;
 pub use coordinates::Position;
 pub use lobe::TreeLobe;
 pub(crate) use slice::area as leaf_area;
+pub(crate) use totals::Totals;
 pub use walk::Leaf;
 pub(crate) use walk::child_cell;
 
@@ -34,7 +35,6 @@ use reverse::Rank3Reverse;
 use slice::Slice;
 use slopes::Slopes;
 use smooth::Smooth;
-use totals::Totals;
 
 /// A BSDF component as a tensor tree of rank 3 or 4. Values are \[1/sr\], without a cosine.
 pub struct Tree {

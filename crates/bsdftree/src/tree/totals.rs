@@ -12,7 +12,7 @@ use crate::tree::slice::area;
 const MAX_CELLS_LOG2: u32 = 25;
 
 /// Totals by incident cell: one number each, or three, the growth along both dimensions being the others.
-pub(super) struct Totals<const N: usize> {
+pub(crate) struct Totals<const N: usize> {
     log2_res: u32,
     values: Box<[[f64; N]]>,
 }

@@ -1,0 +1,205 @@
+//! Keeps the light of each incident direction: a leaf's mean is right for its incident cells together, not for each of them.
+//!
+//! In: a tree, and which of its branches are cut off. Out: fewer cuts, so that no directional-hemispherical total is off by more than a
+//! bound. Over all leaves that an incident cell meets the differences add up. Where they exceed the bound, cuts are taken back, each to
+//! what is left of the branch below, in the order of what they contribute to the excess of all cells together, as many as remove it if
+//! what comes instead contributes nothing; and again, until no total differs too much, or nothing is cut there.
+
+use super::{LEAST_TOTAL, Loss};
+use crate::tree::{Arena, Content, Rank, Slot, Totals, leaf_area};
+
+/// Takes cuts back until the bound holds.
+pub(super) fn kept(arena: &Arena, means: &[f32], is_cut: &mut [bool], bound: f64) {
+    let guard = Guard { arena, means, is_cut, side: 1 << arena.log2_res(), totals: totals(arena) };
+    let mut differences = vec![0.0; guard.totals.len()];
+    guard.over_cuts(arena.root(), 0, [0; 2], None, &mut |_, at, difference| {
+        at.add(difference, 1.0, &mut differences)
+    });
+    loop {
+        let excess: Vec<f64> =
+            differences.iter().zip(&guard.totals).map(|(d, t)| excess(*d, *t, bound)).collect();
+        if excess.iter().all(|&e| e == 0.0) {
+            break;
+        }
+        let wanted = guard.wanted(excess);
+        if wanted.is_empty() {
+            break;
+        }
+        for (node, at, difference) in wanted {
+            guard.is_cut[node as usize] = false;
+            at.add(&difference, -1.0, &mut differences);
+            guard.over_cuts(Slot::link(node), at.level, at.cell, None, &mut |_, at, difference| {
+                at.add(difference, 1.0, &mut differences);
+            });
+        }
+    }
+}
+
+/// By how much a difference of a total is too large, with its sign.
+fn excess(difference: f64, total: f64, bound: f64) -> f64 {
+    // A little less than the bound, for sums that are made in another order.
+    let allowed = bound * total.max(LEAST_TOTAL) * (1.0 - 1e-6);
+    if difference.abs() > allowed { difference - allowed.copysign(difference) } else { 0.0 }
+}
+
+/// A loss with the errors of totals.
+pub(super) fn with_totals(loss: Loss, arena: &Arena, reduced: &Arena) -> Loss {
+    let (whole, fine) = (totals(arena), 1 << arena.log2_res());
+    let shift = arena.log2_res() - reduced.log2_res();
+    let cut = Totals::new(reduced, |_, value| [value]);
+    let error = |k: usize| {
+        let cell = [k % fine, k / fine].map(|c| (c as u32) >> shift);
+        let [g] = cut.as_ref().expect("there are fewer than of the whole tree").of(cell);
+        (g - whole[k]).abs() / whole[k].max(LEAST_TOTAL)
+    };
+    // Of rank 3 only one half of the incident cells is read.
+    let read: Vec<usize> = match arena.rank() {
+        Rank::Three => (0..(fine / 2).max(1)).collect(),
+        Rank::Four => (0..whole.len()).collect(),
+    };
+    let errors: Vec<f64> = read.iter().map(|&k| error(k)).collect();
+    let worst = (0..errors.len()).fold(0, |worst, k| if errors[k] > errors[worst] { k } else { worst });
+    Loss {
+        mean_total: errors.iter().sum::<f64>() / errors.len() as f64,
+        worst_total: errors[worst],
+        worst_at: match arena.rank() {
+            Rank::Three => [(worst as f64 + 0.5) / fine as f64, 0.0],
+            Rank::Four => [worst % fine, worst / fine].map(|c| (c as f64 + 0.5) / fine as f64),
+        },
+        ..loss
+    }
+}
+
+/// The totals of all finest incident cells, the first dimension fastest.
+fn totals(arena: &Arena) -> Vec<f64> {
+    let n = 1u32 << arena.log2_res();
+    let ny = if arena.rank() == Rank::Four { n } else { 1 };
+    let totals =
+        Totals::new(arena, |_, value| [value]).expect("a tree that is reduced has no more incident cells");
+    (0..ny).flat_map(|y| (0..n).map(move |x| [x, y])).map(|cell| totals.of(cell)[0]).collect()
+}
+
+/// The incident cells that a node stands for.
+#[derive(Clone, Copy)]
+struct At {
+    level: u32,
+    cell: [u32; 2],
+    /// Finest cells along an axis of the node, and along the whole one.
+    n: usize,
+    side: usize,
+    rank: Rank,
+}
+
+impl At {
+    /// Indices of the finest cells.
+    fn indices(self) -> impl Iterator<Item = usize> {
+        let rows = if self.rank == Rank::Four { self.n } else { 1 };
+        (0..rows).flat_map(move |y| {
+            let first = (self.cell[1] as usize * self.n + y) * self.side + self.cell[0] as usize * self.n;
+            first..first + self.n
+        })
+    }
+
+    fn add(self, difference: &[f64], sign: f64, sums: &mut [f64]) {
+        self.indices().zip(difference).for_each(|(k, d)| sums[k] += sign * d);
+    }
+}
+
+/// A cut: the node, where it is, and by how much it changes the total of each of its incident cells.
+type Cut = (u32, At, Vec<f64>);
+
+struct Guard<'a> {
+    arena: &'a Arena,
+    means: &'a [f32],
+    is_cut: &'a mut [bool],
+    side: usize,
+    totals: Vec<f64>,
+}
+
+impl Guard<'_> {
+    fn at(&self, level: u32, cell: [u32; 2]) -> At {
+        let n = 1 << (self.arena.log2_res() - level);
+        At { level, cell, n, side: self.side, rank: self.arena.rank() }
+    }
+
+    /// Calls `f` with all cuts below a slot, and with how they change totals; only with those where something is wanted, if that is
+    /// given.
+    fn over_cuts(
+        &self,
+        slot: Slot,
+        level: u32,
+        cell: [u32; 2],
+        wanted: Option<&[f64]>,
+        f: &mut impl FnMut(u32, At, &[f64]),
+    ) {
+        let Content::Node(node) = slot.content() else { return };
+        let at = self.at(level, cell);
+        if wanted.is_some_and(|wanted| at.indices().all(|k| wanted[k] == 0.0)) {
+            return;
+        }
+        if self.is_cut[node as usize] {
+            let mean = f64::from(self.means[node as usize]) * leaf_area(level);
+            let mut difference: Vec<f64> = at.indices().map(|_| mean).collect();
+            self.subtract(slot, level, cell, at, &mut difference);
+            return f(node, at, &difference);
+        }
+        for (k, &child) in self.arena.children(node).iter().enumerate() {
+            self.over_cuts(child, level + 1, self.below(cell, k), wanted, f);
+        }
+    }
+
+    /// The incident cell of child k.
+    fn below(&self, cell: [u32; 2], k: usize) -> [u32; 2] {
+        let bit = |i: usize| (k >> i & 1) as u32;
+        match self.arena.rank() {
+            Rank::Three => [cell[0] << 1 | bit(0), 0],
+            Rank::Four => [cell[0] << 1 | bit(0), cell[1] << 1 | bit(1)],
+        }
+    }
+
+    /// Takes away what the leaves below a slot give to the totals of a node that holds it.
+    fn subtract(&self, slot: Slot, level: u32, cell: [u32; 2], of: At, difference: &mut [f64]) {
+        match slot.content() {
+            Content::Leaf(value) => {
+                let light = f64::from(value) * leaf_area(level);
+                let n = 1usize << (self.arena.log2_res() - level);
+                let first = [0, 1].map(|axis| cell[axis] as usize * n - of.cell[axis] as usize * of.n);
+                let rows = if of.rank == Rank::Four { n } else { 1 };
+                for y in 0..rows {
+                    let row = (first[1] + y) * of.n + first[0];
+                    difference[row..row + n].iter_mut().for_each(|d| *d -= light);
+                }
+            }
+            Content::Node(node) => {
+                for (k, &child) in self.arena.children(node).iter().enumerate() {
+                    self.subtract(child, level + 1, self.below(cell, k), of, difference);
+                }
+            }
+        }
+    }
+
+    /// The cuts that make most of the excess, as many as remove it.
+    fn wanted(&self, mut excess: Vec<f64>) -> Vec<Cut> {
+        let mut cuts: Vec<(f64, Cut)> = Vec::new();
+        self.over_cuts(self.arena.root(), 0, [0; 2], Some(&excess), &mut |node, at, difference| {
+            let excessive = at.indices().zip(difference).filter(|&(k, _)| excess[k] != 0.0);
+            let score: f64 = excessive.map(|(k, d)| d * excess[k].signum()).sum();
+            if score > 0.0 {
+                cuts.push((score, (node, at, difference.to_vec())));
+            }
+        });
+        cuts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut wanted = Vec::new();
+        for (_, (node, at, difference)) in cuts {
+            let helps = at.indices().zip(&difference).any(|(k, d)| d * excess[k] > 0.0);
+            if helps {
+                for (k, d) in at.indices().zip(&difference) {
+                    let left = excess[k] - d;
+                    excess[k] = if left * excess[k] > 0.0 { left } else { 0.0 };
+                }
+                wanted.push((node, at, difference));
+            }
+        }
+        wanted
+    }
+}

@@ -1,0 +1,179 @@
+//! Reduced trees: bounds that hold, light that is kept, and the least error there can be, by trying all prunings of small trees.
+
+mod common;
+
+use bsdftree::reduce::{Goal, Norm, ReduceError};
+use bsdftree::tree::{Leaf, Slot, TreeBuilder};
+use bsdftree::{Rank, Tree};
+use common::{Random, random_tree};
+use proptest::prelude::*;
+
+/// A tree of random values on all levels, whose branches are alike inside, as those of a BSDF are.
+fn grid(rank: Rank, log2: u32, seed: u64) -> Tree {
+    let mut random = Random(seed);
+    let d = rank.dimensions() as u32;
+    let levels: Vec<Vec<f64>> =
+        (0..=log2).map(|l| (0..1 << (d * l)).map(|_| random.unit()).collect()).collect();
+    let value = |k: usize| {
+        let at = |i: u32| k >> ((d - 1 - i) * log2) & ((1 << log2) - 1);
+        let sum = (0..=log2).map(|l| {
+            let index = (0..d).fold(0, |index, i| index << l | at(i) >> (log2 - l));
+            levels[l as usize][index].powi(6) * 0.5f64.powi(l as i32)
+        });
+        sum.sum::<f64>() as f32
+    };
+    Tree::from_grid(rank, &(0..1 << (d * log2)).map(value).collect::<Vec<_>>()).unwrap()
+}
+
+fn inside(leaf: &Leaf, part: &Leaf, dimensions: usize) -> bool {
+    part.level >= leaf.level
+        && (0..dimensions).all(|i| part.cell[i] >> (part.level - leaf.level) == leaf.cell[i])
+}
+
+#[test]
+fn every_leaf_is_the_mean_of_what_it_was() {
+    let tree = grid(Rank::Four, 3, 1);
+    let (reduced, _) = tree.reduced(&Goal { l1: Some(0.3), ..Goal::default() }).unwrap();
+    assert!(reduced.arena().n_leaves() < tree.arena().n_leaves() / 2);
+    for leaf in reduced.leaves() {
+        let parts = tree.leaves().filter(|part| inside(&leaf, part, 4));
+        let sum: f64 =
+            parts.map(|part| f64::from(part.value) * 16f64.powi(leaf.level as i32 - part.level as i32)).sum();
+        assert!((sum / f64::from(leaf.value) - 1.0).abs() < 1e-6, "{sum} {leaf:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+    #[test]
+    fn bounds_hold_and_losses_are_those_of_the_result(
+        seed in 0u64..1000, l1 in prop::option::of(0.0..0.8f64), rms in prop::option::of(0.0..0.8f64),
+        total in prop::option::of(0.0..0.3f64), four in any::<bool>(),
+    ) {
+        prop_assume!(l1.is_some() || rms.is_some() || total.is_some());
+        let tree = random_tree(if four { Rank::Four } else { Rank::Three }, if four { 3 } else { 5 }, &mut Random(seed));
+        let (reduced, loss) = tree.reduced(&Goal { l1, rms, total, ..Goal::default() }).unwrap();
+        prop_assert_eq!(tree.loss_of(&reduced).unwrap(), loss);
+        prop_assert!(l1.is_none_or(|bound| loss.l1 <= bound), "{loss:?}");
+        prop_assert!(rms.is_none_or(|bound| loss.rms <= bound), "{loss:?}");
+        prop_assert!(total.is_none_or(|bound| loss.worst_total <= bound), "{loss:?}");
+        prop_assert!(loss.mean_total <= loss.worst_total + 1e-15);
+        prop_assert!(reduced.arena().n_leaves() <= tree.arena().n_leaves());
+    }
+}
+
+/// The least error of all prunings with at most so many leaves: `least[n - 1]`.
+fn least(tree: &Tree, slot: Slot, level: u32, norm: Norm, most: usize) -> Vec<f64> {
+    use bsdftree::tree::Content;
+    let mut least = vec![f64::INFINITY; most];
+    let Content::Node(node) = slot.content() else { return vec![0.0; most] };
+    // As a leaf.
+    let mut values = Vec::new();
+    collect(tree, slot, 1.0, &mut values);
+    let mean: f64 = values.iter().map(|(v, w)| v * w).sum();
+    let mean = f64::from(mean as f32);
+    let volume = 0.5f64.powi((tree.rank().dimensions() as u32 * level) as i32);
+    let of = |d: f64| if norm == Norm::L1 { d.abs() } else { d * d };
+    least[0] = values.iter().map(|(v, w)| w * of(v - mean)).sum::<f64>() * volume;
+    // As a node: every way to share leaves among the children.
+    let mut shared = vec![f64::INFINITY; most + 1];
+    shared[0] = 0.0;
+    for &child in tree.arena().children(node) {
+        let below = self::least(tree, child, level + 1, norm, most);
+        let mut next = vec![f64::INFINITY; most + 1];
+        for (n, &error) in shared.iter().enumerate().filter(|(_, e)| e.is_finite()) {
+            for k in 1..=most.saturating_sub(n) {
+                next[n + k] = next[n + k].min(error + below[k - 1]);
+            }
+        }
+        shared = next;
+    }
+    for n in 1..=most {
+        least[n - 1] = least[n - 1].min(shared[n]);
+    }
+    for n in 1..most {
+        least[n] = least[n].min(least[n - 1]);
+    }
+    least
+}
+
+fn collect(tree: &Tree, slot: Slot, weight: f64, values: &mut Vec<(f64, f64)>) {
+    use bsdftree::tree::Content;
+    match slot.content() {
+        Content::Leaf(value) => values.push((f64::from(value), weight)),
+        Content::Node(node) => {
+            let children = tree.arena().children(node);
+            children.iter().for_each(|&c| collect(tree, c, weight / children.len() as f64, values));
+        }
+    }
+}
+
+#[test]
+fn no_pruning_of_as_few_leaves_has_a_smaller_error() {
+    for (seed, norm) in [(1, Norm::L1), (2, Norm::Rms), (3, Norm::L1), (4, Norm::Rms)] {
+        let tree = grid(Rank::Four, 2, seed);
+        let whole = tree.arena().n_leaves();
+        let least = least(&tree, tree.arena().root(), 0, norm, whole);
+        let (light, power) = tree.leaves().fold((0.0, 0.0), |(light, power), leaf| {
+            let (v, w) = (f64::from(leaf.value), 16f64.powi(-(leaf.level as i32)));
+            (light + v * w, power + v * v * w)
+        });
+        let mut found = 0;
+        for asked in (1..=whole).step_by(5) {
+            let goal = Goal { n_leaves: Some(asked), norm, ..Goal::default() };
+            let (reduced, loss) = tree.reduced(&goal).unwrap();
+            let n = reduced.arena().n_leaves();
+            assert!(n <= asked);
+            found += usize::from(n > 1 && n < whole);
+            let error = if norm == Norm::L1 { loss.l1 * light } else { loss.rms * loss.rms * power };
+            assert!((error - least[n - 1]).abs() <= 1e-6 * least[0], "{n}: {error} {}", least[n - 1]);
+        }
+        assert!(found > 20);
+    }
+}
+
+#[test]
+fn goals_that_cannot_be_are_refused() {
+    let tree = grid(Rank::Three, 3, 5);
+    assert_eq!(tree.reduced(&Goal::default()).unwrap_err(), ReduceError::NoGoal);
+    let bound = |l1: f64| tree.reduced(&Goal { l1: Some(l1), ..Goal::default() });
+    assert!(matches!(bound(-0.1), Err(ReduceError::Bound("L1", _))));
+    assert!(matches!(bound(f64::NAN), Err(ReduceError::Bound("L1", _))));
+    let both = Goal { l1: Some(0.01), n_leaves: Some(2), ..Goal::default() };
+    assert!(matches!(tree.reduced(&both), Err(ReduceError::Leaves { asked: 2, .. })));
+    assert_eq!(tree.loss_of(&grid(Rank::Four, 2, 1)), Err(ReduceError::NoPart));
+    assert_eq!(Tree::uniform(Rank::Three, 1.0).loss_of(&tree), Err(ReduceError::NoPart));
+}
+
+#[test]
+fn what_is_uniform_or_black_is_one_leaf() {
+    for value in [0.0, 2.5] {
+        let mut builder = TreeBuilder::new(Rank::Four);
+        let root = builder.node(&[Slot::leaf(value); 16]).unwrap();
+        let tree = Tree::new(builder.finish(root));
+        let (reduced, loss) = tree.reduced(&Goal { l1: Some(0.0), ..Goal::default() }).unwrap();
+        assert_eq!((reduced.arena().n_leaves(), loss.l1, loss.worst_total), (1, 0.0, 0.0));
+    }
+    let leaf = Tree::uniform(Rank::Three, 1.0);
+    assert_eq!(leaf.reduced(&Goal { n_leaves: Some(1), ..Goal::default() }).unwrap().0.arena().n_leaves(), 1);
+}
+
+#[test]
+fn nodes_out_of_order_give_the_same_tree() {
+    let tree = random_tree(Rank::Four, 4, &mut Random(7));
+    let bsdft = {
+        let mut bsdf = bsdftree::Bsdf::default();
+        let component = bsdftree::Component::grey(tree.clone().into());
+        bsdf.band_mut("Visible").insert(bsdftree::Part::ReflectionBack, component);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ordered.bsdft");
+        bsdftree::file::write(&bsdf, &path, bsdftree::binary::Packing::Raw).unwrap();
+        bsdftree::file::read(&path, bsdftree::xml::Strictness::Strict).unwrap().0
+    };
+    let component = bsdft.bands[0].component(bsdftree::Part::ReflectionBack).unwrap();
+    let bsdftree::Scattering::Tree(ordered) = &component.luminance else { panic!("it is a tree") };
+    let goal = Goal { l1: Some(0.2), total: Some(0.05), ..Goal::default() };
+    let (a, b) = (tree.reduced(&goal).unwrap(), ordered.reduced(&goal).unwrap());
+    assert!(a.0.leaves().eq(b.0.leaves()));
+    assert_eq!(a.1, b.1);
+}
