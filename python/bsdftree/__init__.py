@@ -26,6 +26,7 @@ from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
 from bsdftree._package import package
 from bsdftree._peaks import Peak, PeakFamily
 from bsdftree._queries import Sample
+from bsdftree._reduce import Loss, Reduction
 from bsdftree._report import BandReport, GenerationReport, Resumed
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "Finding",
     "Gamut",
     "GenerationReport",
+    "Loss",
     "Matrix",
     "Mended",
     "Noise",
@@ -46,6 +48,7 @@ __all__ = [
     "Peak",
     "PeakFamily",
     "Reciprocity",
+    "Reduction",
     "Resumed",
     "Sample",
     "Symmetry",

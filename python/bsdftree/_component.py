@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bsdftree import _core
+from bsdftree._reduce import Loss, Norm, loss_between
 
 COMPONENTS = ("reflection_front", "reflection_back", "transmission_front", "transmission_back")
 """All components; front is the outside here, as in WINDOW."""
@@ -36,7 +37,7 @@ class Tree:
         self.nbytes = core.nbytes
 
     @classmethod
-    def from_grid(cls, values: ArrayLike) -> Tree:
+    def from_grid(cls, values: ArrayLike, *, tolerance: float | None = None, n_leaves: int | None = None) -> Tree:
         """Build a tree from a uniform grid; equal neighbours become one leaf.
 
         Parameters
@@ -44,11 +45,15 @@ class Tree:
         values
             BSDF [1/sr], shape (2^N,) * rank with rank 3 or 4. Axes as in the file format: rank 4 is incident x, y and
             exitant x, y of the Shirley-Chiu square; rank 3 is incident polar angle and exitant x, y.
+        tolerance
+            Relative L1 error that joining neighbours may make, as ``l1`` of :meth:`reduce`.
+        n_leaves
+            Most leaves, as that of :meth:`reduce`.
 
         Raises
         ------
         ValueError
-            If the shape is not that, or a value is negative or not finite.
+            If the shape is not that, a value is negative or not finite, or the tree cannot be so small.
 
         Examples
         --------
@@ -58,7 +63,56 @@ class Tree:
         array = np.asarray(values, np.float32)
         if array.ndim not in (3, 4) or len(set(array.shape)) != 1:
             raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
-        return cls(_core.Tree._from_grid(np.ascontiguousarray(array).reshape(-1), array.ndim))
+        tree = cls(_core.Tree._from_grid(np.ascontiguousarray(array).reshape(-1), array.ndim))
+        if tolerance is None and n_leaves is None:
+            return tree
+        return tree.reduce(l1=tolerance, n_leaves=n_leaves)
+
+    def reduce(
+        self,
+        *,
+        l1: float | None = None,
+        rms: float | None = None,
+        total: float | None = None,
+        n_leaves: int | None = None,
+        norm: Norm = "l1",
+    ) -> Tree:
+        """Return a smaller tree, branches of which became leaves of their mean.
+
+        Bounds hold together. Of all trees made that way with as few leaves, none has a smaller error in the norm that
+        is bounded, or is ``norm``; a bound on totals takes back what it must.
+
+        Parameters
+        ----------
+        l1
+            Most of ∫|f - g| / ∫f.
+        rms
+            Most of √∫(f - g)² / √∫f².
+        total
+            Most of |H_f - H_g| / max(H_f, 0.1) for any incident direction, H being directional-hemispherical totals.
+        n_leaves
+            Most leaves.
+        norm
+            What is made least where only ``n_leaves`` or ``total`` is given: ``"l1"`` or ``"rms"``.
+
+        Raises
+        ------
+        ValueError
+            If nothing is given, or the bounds need more than ``n_leaves``.
+
+        Examples
+        --------
+        >>> x = (np.arange(16) + 0.5) / 16
+        >>> tree = Tree.from_grid(np.exp(-8 * (x[:, None, None] - x[:, None]) ** 2 - x))
+        >>> small = tree.reduce(l1=0.05, total=0.01)
+        >>> tree.n_leaves > 2 * small.n_leaves, tree.loss_of(small).l1 <= 0.05, tree.loss_of(small).worst_total <= 0.01
+        (True, True, True)
+        """
+        return Tree(_core.reduced(self._core, l1, rms, total, n_leaves, norm))
+
+    def loss_of(self, reduced: Tree) -> Loss:
+        """How far a tree is from this one, of which it has nowhere smaller leaves."""
+        return loss_between(self._core, reduced._core)
 
     @classmethod
     def from_raw(cls, values: bytes | ArrayLike, rank: int = 4) -> Tree:

@@ -9,6 +9,7 @@ from bsdftree import _core
 from bsdftree._check import KINDS, Mended
 from bsdftree._component import COMPONENTS
 from bsdftree._header import Described
+from bsdftree._reduce import Norm, Reduction, losses, reduced
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -16,6 +17,40 @@ if TYPE_CHECKING:
 
 class Conversions(Described):
     """Copies that are another BSDF; this one stays what it is."""
+
+    def reduce(
+        self,
+        *,
+        l1: float | None = None,
+        rms: float | None = None,
+        total: float | None = None,
+        n_leaves: int | None = None,
+        n_bytes: int | None = None,
+        norm: Norm = "l1",
+    ) -> Self:
+        """Return a copy with smaller trees, as :meth:`Tree.reduce`.
+
+        Bounds hold for each component of each band. Colour (u′, v′) is kept within 1 % on average. Matrices stay.
+
+        Parameters
+        ----------
+        l1, rms, total, norm
+            As of :meth:`Tree.reduce`.
+        n_leaves
+            Most leaves of the luminance of all components together: the bound on L1 is as small as that allows.
+        n_bytes
+            Largest size as XML [byte], likewise.
+
+        Raises
+        ------
+        ValueError
+            If there is no tree, nothing is given, or it cannot be so small.
+        """
+        return type(self)(reduced(self._core, l1, rms, total, n_leaves, n_bytes, norm))
+
+    def losses_of(self, reduced: Conversions) -> list[Reduction]:
+        """What the trees of a reduced copy lost, one entry for each component of each band."""
+        return losses(self._core, reduced._core)
 
     def smooth(self) -> Self:
         """Return the BSDF with ramps instead of steps in the leaves of its trees.

@@ -36,6 +36,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::reduced, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::reduced_bsdf, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::loss, module)?)?;
     module.add_function(wrap_pyfunction!(check::repaired, module)?)?;
     module.add_function(wrap_pyfunction!(check::faults, module)?)?;

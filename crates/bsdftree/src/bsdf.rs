@@ -156,6 +156,11 @@ impl Band {
         Part::ALL.into_iter().filter_map(|part| Some((part, self.component(part)?)))
     }
 
+    /// The same, to be changed.
+    pub fn components_mut(&mut self) -> impl Iterator<Item = &mut Component> {
+        self.components.iter_mut().flatten()
+    }
+
     /// What answers for light from one side to another, and whether it must be reversed: an absent transmission is the
     /// other one with incident and exitant directions swapped; an absent reflection is black.
     pub fn answering(&self, incident: Side, exitant: Side) -> Option<(&Component, bool)> {
@@ -288,8 +293,7 @@ impl Bsdf {
     /// written to a file stays what it is. `None` if it has no tree.
     pub fn smooth(&self) -> Option<Bsdf> {
         let mut bsdf = self.clone();
-        let components = bsdf.bands.iter_mut().flat_map(|band| band.components.iter_mut().flatten());
-        for component in components {
+        for component in bsdf.bands.iter_mut().flat_map(Band::components_mut) {
             if let Scattering::Tree(tree) = &component.luminance {
                 component.luminance = tree.smooth().into();
             }

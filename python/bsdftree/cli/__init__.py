@@ -16,6 +16,7 @@ from bsdftree.cli.lobes import lobes
 from bsdftree.cli.merge import merge
 from bsdftree.cli.package import package
 from bsdftree.cli.plot import plot
+from bsdftree.cli.reduce import reduce
 from bsdftree.cli.stack import stack
 
 _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
@@ -34,6 +35,7 @@ def main() -> None:
       bsdftree check blinds.xml                       does it obey physics
       bsdftree plot blinds.xml -o blinds.png          see it
       bsdftree convert blinds.xml blinds.bsdft        write it in another format
+      bsdftree reduce blinds.xml -o small.xml         make it smaller, to an error that you choose
       bsdftree package blinds.xml -o objects          put it into a Radiance scene
 
     Data goes to standard output or to -o, progress to standard error. Exit code 0: done; 1: the input is bad
@@ -41,5 +43,19 @@ def main() -> None:
     """
 
 
-for _verb in (generate, genbsdf, info, check, eval_, plot, lobes, from_function, merge, stack, convert, package):
+for _verb in (
+    generate,
+    genbsdf,
+    info,
+    check,
+    eval_,
+    plot,
+    lobes,
+    from_function,
+    merge,
+    stack,
+    convert,
+    reduce,
+    package,
+):
     main.add_command(_verb)

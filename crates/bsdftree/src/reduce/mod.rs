@@ -9,12 +9,13 @@
 mod measure;
 mod prune;
 mod totals;
+mod whole;
 
 use thiserror::Error;
 
 use crate::tree::{Arena, Content, Slot, Tree, TreeBuilder};
 use measure::{Measures, Sums, Weights};
-use prune::{Pruning, boundary};
+use prune::{Pruning, between, boundary};
 
 /// How differences are weighed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -181,8 +182,8 @@ impl Reduction<'_> {
         let Goal { l1, rms, total, n_leaves, .. } = *goal;
         let pruning = match (l1.or(rms).or(total), n_leaves) {
             (None, Some(n)) => {
-                let [_, few] = boundary(&self.measures, self.arena.rank(), |p| p.n_leaves > n);
-                few
+                let [many, few] = boundary(&self.measures, self.arena.rank(), |p| p.n_leaves > n);
+                between(&self.measures, self.arena, [&few, &many], |[_, leaves], _| leaves <= n)
             }
             _ => self.bounded(goal),
         };
@@ -208,7 +209,8 @@ impl Reduction<'_> {
             (None, Some(rms)) => rms * rms * self.power,
             (None, None) => f64::INFINITY,
         };
-        let [pruning, _] = boundary(&self.measures, rank, |p| p.error <= first);
+        let [many, few] = boundary(&self.measures, rank, |p| p.error <= first);
+        let pruning = between(&self.measures, self.arena, [&few, &many], |_, [error, _]| error > first);
         // Errors are kept in 32 bits, and the other bounds are not known of a pruning without its tree.
         let others = Goal { total: goal.total.filter(|_| first == f64::INFINITY), ..*goal };
         let is_kept = |p: &Pruning| others.is_kept_by(&self.loss(&self.tree(&p.is_cut)));

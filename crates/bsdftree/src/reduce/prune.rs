@@ -1,12 +1,13 @@
 //! The cheapest tree that is left when branches become leaves, for a price per leaf.
 //!
 //! A tree whose error plus λ times its number of leaves is least has, of all that are made by cutting branches off, the least error for
-//! its number of leaves. It is found from the leaves up, each branch being cut where that is cheaper; the larger λ, the more is
+//! its number of leaves. Branches of one price, as symmetric ones are, may be cut one by one: what lies between two such trees is as
+//! cheap. The tree is found from the leaves up, each branch being cut where that is cheaper; the larger λ, the more is
 //! cut (L. Breiman et al., "Classification and Regression Trees", 1984, chapter 3; P. A. Chou, T. Lookabaugh and R. M. Gray, "Optimal
 //! pruning with applications to tree-structured source coding", IEEE Transactions on Information Theory 35, 1989).
 
 use super::measure::Measures;
-use crate::tree::Rank;
+use crate::tree::{Arena, Content, Rank, Slot};
 
 /// Which branches are cut at some price, and what is left.
 #[derive(Clone)]
@@ -64,4 +65,82 @@ pub(super) fn boundary(measures: &Measures, rank: Rank, holds: impl Fn(&Pruning)
         *if is_below { &mut below } else { &mut above } = (price, found);
     }
     [below.1, above.1]
+}
+
+/// Where two prunings differ: a branch that the one with fewer leaves cuts, and the other does not.
+struct Difference {
+    node: u32,
+    /// Leaves that the other one has more here.
+    more_leaves: usize,
+    /// By how much its error is less here.
+    less_error: f64,
+}
+
+/// The pruning of fewer leaves with branches given back that the other one has, the most useful first: each one that `takes` wants, given
+/// the numbers of leaves and the errors without it and with it.
+pub(super) fn between(
+    measures: &Measures,
+    arena: &Arena,
+    [few, many]: [&Pruning; 2],
+    takes: impl Fn([usize; 2], [f64; 2]) -> bool,
+) -> Pruning {
+    let mut result = few.clone();
+    let mut differences = Vec::new();
+    collect(measures, arena, arena.root(), [few, many], &mut differences);
+    let gain = |d: &Difference| d.less_error / d.more_leaves.max(1) as f64;
+    differences.sort_by(|a, b| gain(b).total_cmp(&gain(a)));
+    for Difference { node, more_leaves, less_error } in differences {
+        let (n_leaves, error) = (result.n_leaves + more_leaves, result.error - less_error);
+        if takes([result.n_leaves, n_leaves], [result.error, error]) {
+            copy(arena, node, &many.is_cut, &mut result.is_cut);
+            (result.n_leaves, result.error) = (n_leaves, error);
+        }
+    }
+    result
+}
+
+fn collect(
+    measures: &Measures,
+    arena: &Arena,
+    slot: Slot,
+    [few, many]: [&Pruning; 2],
+    differences: &mut Vec<Difference>,
+) {
+    let Content::Node(node) = slot.content() else { return };
+    let k = node as usize;
+    match (few.is_cut[k], many.is_cut[k]) {
+        (true, true) => {}
+        (true, false) => {
+            let (n_leaves, error) = left(measures, arena, slot, &many.is_cut);
+            let less_error = f64::from(measures.errors[k]) - error;
+            differences.push(Difference { node, more_leaves: n_leaves - 1, less_error });
+        }
+        (false, _) => {
+            for &child in arena.children(node) {
+                collect(measures, arena, child, [few, many], differences);
+            }
+        }
+    }
+}
+
+/// Leaves and error of what is left below a slot.
+fn left(measures: &Measures, arena: &Arena, slot: Slot, is_cut: &[bool]) -> (usize, f64) {
+    match slot.content() {
+        Content::Leaf(_) => (1, 0.0),
+        Content::Node(node) if is_cut[node as usize] => (1, f64::from(measures.errors[node as usize])),
+        Content::Node(node) => arena.children(node).iter().fold((0, 0.0), |(n, error), &child| {
+            let (more, other) = left(measures, arena, child, is_cut);
+            (n + more, error + other)
+        }),
+    }
+}
+
+/// Copies what is cut in a branch.
+fn copy(arena: &Arena, node: u32, from: &[bool], to: &mut [bool]) {
+    to[node as usize] = from[node as usize];
+    for child in arena.children(node) {
+        if let Content::Node(child) = child.content() {
+            copy(arena, child, from, to);
+        }
+    }
 }
