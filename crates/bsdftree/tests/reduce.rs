@@ -144,6 +144,19 @@ fn goals_that_cannot_be_are_refused() {
     assert!(matches!(tree.reduced(&both), Err(ReduceError::Leaves { asked: 2, .. })));
     assert_eq!(tree.loss_of(&grid(Rank::Four, 2, 1)), Err(ReduceError::NoPart));
     assert_eq!(Tree::uniform(Rank::Three, 1.0).loss_of(&tree), Err(ReduceError::NoPart));
+    let mut builder = TreeBuilder::new(Rank::Four);
+    let mut slot = Slot::leaf(1.0);
+    for _ in 0..13 {
+        let mut children = [Slot::leaf(0.5); 16];
+        children[3] = slot;
+        slot = builder.node(&children).unwrap();
+    }
+    let deep = Tree::new(builder.finish(slot));
+    assert_eq!(
+        deep.reduced(&Goal { l1: Some(0.1), ..Goal::default() }).unwrap_err(),
+        ReduceError::TooFine(13)
+    );
+    assert_eq!(deep.loss_of(&deep), Err(ReduceError::TooFine(13)));
 }
 
 #[test]

@@ -74,10 +74,11 @@ def reduce(
         l1, total = 2.0, 1.0
     bounds = {"l1": l1, "rms": rms, "total": total}
     shares: dict[str, Any] = {name: bound / 100 for name, bound in bounds.items() if bound is not None}
-    reduced = bsdf.reduce(**shares, n_leaves=leaves, n_bytes=size)
     done = ", ".join([f"{name} {bound:g} %" for name, bound in bounds.items() if bound is not None])
     reached = done or (f"{leaves} leaves" if leaves else f"{size} bytes")
-    reduced = reduced.with_header(provenance=[*bsdf.provenance, f"reduced to {reached} by bsdftree"])
+    # First, since it is a part of the size.
+    named = bsdf.with_header(provenance=[*bsdf.provenance, f"reduced to {reached} by bsdftree"])
+    reduced = named.reduce(**shares, n_leaves=leaves, n_bytes=size)
     reduced.save(target, packed=packed)
     _report(bsdf, reduced, source, target, as_json)
 

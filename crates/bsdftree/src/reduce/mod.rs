@@ -13,7 +13,7 @@ mod whole;
 
 use thiserror::Error;
 
-use crate::tree::{Arena, Content, Slot, Tree, TreeBuilder};
+use crate::tree::{Arena, Content, Slot, Totals, Tree, TreeBuilder};
 use measure::{Measures, Sums, Weights};
 use prune::{Pruning, between, boundary};
 
@@ -79,6 +79,11 @@ pub enum ReduceError {
     /// A bound that is no number ≥ 0.
     #[error("the bound of {0} is {1}; expected a number of at least 0")]
     Bound(&'static str, f64),
+    /// More incident cells than totals are kept of.
+    #[error(
+        "a tree of 2^{0} cells per axis is too fine to be reduced; convert it to a coarser one first (`convert --tree`)"
+    )]
+    TooFine(u32),
     /// Not a tree with branches cut off.
     #[error(
         "the second tree is of another rank, or finer than the first in some place; expected one that was reduced"
@@ -129,8 +134,14 @@ impl Tree {
     /// If the goal says nothing, or its bounds need more leaves than it has.
     pub fn reduced(&self, goal: &Goal) -> Result<(Tree, Loss), ReduceError> {
         let goal = goal.validated()?;
+        self.has_totals()?;
         let arena = self.arena().in_level_order();
         Reduction::new(&arena, goal.norm()).best(&goal)
+    }
+
+    fn has_totals(&self) -> Result<(), ReduceError> {
+        let log2_res = self.arena().log2_res();
+        Totals::<1>::are_kept(self.rank(), log2_res).then_some(()).ok_or(ReduceError::TooFine(log2_res))
     }
 
     /// How far another tree is from this one, of which it has nowhere smaller leaves.
@@ -143,6 +154,7 @@ impl Tree {
         {
             return Err(ReduceError::NoPart);
         }
+        self.has_totals()?;
         let mut sums = Sums::default();
         let arenas = [self.arena(), reduced.arena()];
         sums.add(arenas, &Weights::new(self.arena()), arenas.map(Arena::root), 0, 0);

@@ -74,8 +74,7 @@ pub(super) fn with_totals(loss: Loss, arena: &Arena, reduced: &Arena) -> Loss {
 fn totals(arena: &Arena) -> Vec<f64> {
     let n = 1u32 << arena.log2_res();
     let ny = if arena.rank() == Rank::Four { n } else { 1 };
-    let totals =
-        Totals::new(arena, |_, value| [value]).expect("a tree that is reduced has no more incident cells");
+    let totals = Totals::new(arena, |_, value| [value]).expect("a tree that is reduced was looked at");
     (0..ny).flat_map(|y| (0..n).map(move |x| [x, y])).map(|cell| totals.of(cell)[0]).collect()
 }
 

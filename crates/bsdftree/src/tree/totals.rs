@@ -18,11 +18,16 @@ pub(crate) struct Totals<const N: usize> {
 }
 
 impl<const N: usize> Totals<N> {
+    /// Whether a tree has no more incident cells than a number can be kept for.
+    pub fn are_kept(rank: Rank, log2_res: u32) -> bool {
+        incident_axes(rank) * log2_res <= MAX_CELLS_LOG2
+    }
+
     /// Sums all leaves, of which `leaf` says from slot and value what the BSDF is in their middle, and how much it grows from there;
     /// `None` if the tree has too many incident cells to keep a number for each.
     pub fn new(arena: &Arena, leaf: impl Fn(usize, f64) -> [f64; N]) -> Option<Totals<N>> {
         let axes = incident_axes(arena.rank());
-        if axes * arena.log2_res() > MAX_CELLS_LOG2 {
+        if !Self::are_kept(arena.rank(), arena.log2_res()) {
             return None;
         }
         let levels = (0..=arena.log2_res()).map(|l| vec![[0.0; N]; 1 << (axes * l)]).collect();
