@@ -2,7 +2,7 @@
 //!
 //! In: a tree, and what may be lost: bounds on errors, or a number of leaves. Out: a tree that is the first one with branches cut off,
 //! each of which became a leaf of its mean, so that the light over every leaf is kept exactly. For the norm that is bounded (or
-//! chosen) no tree made that way with as few leaves has a smaller error ([`prune`]); errors are those of the result, computed anew.
+//! chosen) no tree made that way with as few leaves has a smaller error; errors are those of the result, computed anew.
 //!
 //! Source: Radiance's rttree_reduce, which cuts off a percentage of branches by a score of its own.
 
@@ -106,7 +106,7 @@ impl Goal {
             return Err(ReduceError::NoGoal);
         }
         for (name, bound) in bounds {
-            if let Some(bound) = bound.filter(|b| !(*b >= 0.0)) {
+            if let Some(bound) = bound.filter(|b| b.is_nan() || *b < 0.0) {
                 return Err(ReduceError::Bound(name, bound));
             }
         }
