@@ -273,7 +273,8 @@ def generate(
         f"{summary.paths} paths, seed {seed}, sides {sides}{', tiled' if tile else ''}{', color' if color else ''}"
         f"{'' if list(bands) == ['Visible'] else ', bands ' + ' '.join(bands)}"
         f"{'' if reciprocity is None else ', reciprocity' if reciprocity else ', no reciprocity'}"
-        f"{', random' if sampling == 'random' else ''}{'' if prune or klems else ', not pruned'})"
+        f"{', random' if sampling == 'random' else ''}{'' if prune or klems else ', not pruned'}, "
+        f"estimated error {100 * summary.error:.1f} % of the whole)"
     )
     return Bsdf(core.with_header(None, None, None, [made]))
 

@@ -187,6 +187,7 @@ impl Bsdf {
         dict.set_item("thickness", header.thickness)?;
         dict.set_item("unit", header.unit.file_name())?;
         dict.set_item("geometry", header.geometry.as_ref().map(|g| g.mgf.as_str()))?;
+        dict.set_item("geometry_unit", header.geometry.as_ref().map(|g| g.unit.file_name()))?;
         dict.set_item("provenance", &header.provenance)?;
         dict.set_item("properties", &header.properties)?;
         Ok(dict)

@@ -10,8 +10,9 @@ COLORS = {"violation": "red", "warning": "yellow", "note": "cyan"}
 
 def show(path: str, found: Check) -> None:
     """Print everything."""
-    for finding in found.findings:
+    if found.findings:
         stdout.print(f"[bold]{printable(path)}[/bold]", highlight=False)
+    for finding in found.findings:
         _show_finding(finding)
     for band in found.bands:
         stdout.print(f"[bold]{printable(path)}[/bold]  {printable(band.band)}", highlight=False)

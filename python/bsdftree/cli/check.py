@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -12,8 +13,9 @@ from typing import Any
 
 import click
 
-from bsdftree import Bsdf, Check, Finding, Mended, _core, load
+from bsdftree import Bsdf, Check, Finding, Mended, __version__, _core, load
 from bsdftree._check import KINDS
+from bsdftree._placement import Position, placed, placement_finding
 from bsdftree.cli._check_tables import show
 from bsdftree.cli._common import json_option, print_json, printable, stdout, with_input_errors
 
@@ -53,6 +55,12 @@ def _kinds(_context: click.Context, _option: click.Parameter, value: str | None)
     metavar="PERCENT",
     help="Tolerated relative standard deviation of a value.",
 )
+@click.option(
+    "--device",
+    metavar="FILE",
+    type=click.Path(),
+    help="Tell which way up and round the data is by this geometry, traced coarsely; a BSDF file may hold its own.",
+)
 @click.option("--fix", metavar="OUT", type=click.Path(), help="Write a repaired copy of the one file to OUT.")
 @click.option(
     "--only",
@@ -68,6 +76,7 @@ def check(
     energy: float,
     reciprocity: float,
     noise: float,
+    device: str | None,
     fix: str | None,
     kinds: tuple[str, ...],
     as_json: bool,
@@ -84,6 +93,7 @@ def check(
     Examples:
       bsdftree check blinds.xml
       bsdftree check --reciprocity 10 --json *.xml
+      bsdftree check blinds30.xml --device blinds30.xml
       bsdftree check window.xml --fix mended.xml
       bsdftree check window.xml --fix mended.xml --only energy,units
     """
@@ -95,12 +105,19 @@ def check(
     results = []
     for path in files:
         bsdf, faults = _read(path)
-        found = _with_faults(bsdf.check(**limits), faults)
+        found = _with_faults(bsdf.check(**limits), bsdf, faults)
+        position = Position()
+        if device:
+            positions = placed(bsdf, device)
+            finding = placement_finding(positions, device)
+            found = replace(found, findings=(*found.findings, finding))
+            if finding.repair and "orientation" in kinds:
+                position = positions[0][1]
         result = {"file": path, "ok": found.ok, **_as_json(found)}
         if not as_json:
             show(path, found)
         if fix:
-            result["repaired"] = _repaired(path, bsdf, faults, fix, kinds, limits, as_json)
+            result["repaired"] = _repaired(path, bsdf, faults, position, fix, kinds, limits, as_json)
         results.append(result)
     if as_json:
         print_json(results if len(results) > 1 else results[0])
@@ -122,11 +139,17 @@ def _read(path: str) -> tuple[Bsdf, list[str]]:
     return bsdf, faults
 
 
-def _with_faults(found: Check, faults: list[str]) -> Check:
-    """Findings of the reader before those of the header."""
+def _with_faults(found: Check, bsdf: Bsdf, faults: list[str]) -> Check:
+    """Findings of the reader before those of the header, and what the file's maker says of its error after them."""
     advice = "write it as the format has it"
     read = (Finding("values", "violation", None, None, None, 1.0, fault, advice, True) for fault in faults)
-    return replace(found, findings=(*read, *found.findings))
+    stated = re.search(r"estimated error ([\d.]+) % of the whole", " ".join(bsdf.provenance))
+    said = []
+    if stated:
+        error = float(stated[1]) / 100
+        message = f"its maker estimates an error of {stated[1]} % of the whole (relative L1)"
+        said = [Finding("noise", "note", None, None, None, error, message, "nothing", False)]
+    return replace(found, findings=(*read, *found.findings, *said))
 
 
 def _as_json(found: Check) -> dict[str, Any]:
@@ -137,6 +160,7 @@ def _repaired(
     path: str,
     bsdf: Bsdf,
     faults: list[str],
+    position: Position,
     out: str,
     kinds: tuple[str, ...],
     limits: dict[str, float],
@@ -145,11 +169,15 @@ def _repaired(
     """Write the repaired copy, and say what was done."""
     if faults and "values" not in kinds:
         raise ValueError(f"{path}: {faults[0]}; it cannot be written as it is: add values to --only")
-    copy, mended = bsdf.repaired(kinds, **limits)
-    if faults:
-        read = [Mended("values", None, None, fault, "faults of the format", 1.0, 0.0) for fault in faults]
-        lines = [f"Repaired by: bsdftree check (read: {fault})" for fault in faults]
-        copy, mended = copy.with_header(provenance=[*copy.provenance, *lines]), [*read, *mended]
+    done = [Mended("values", None, None, fault, "faults of the format", 1.0, 0.0) for fault in faults]
+    if position != Position():
+        bsdf = position.undone(bsdf)
+        done.append(
+            Mended("orientation", None, None, f"the device was {position}: put back", "positions off", 1.0, 0.0)
+        )
+    lines = [f"Repaired by: bsdftree {__version__} ({m.what})" for m in done]
+    copy, mended = bsdf.with_header(provenance=[*bsdf.provenance, *lines]).repaired(kinds, **limits)
+    mended = [*done, *mended]
     if mended or Path(path).suffix.lower() != Path(out).suffix.lower():
         copy.save(out)
     else:
@@ -160,7 +188,9 @@ def _repaired(
             band = f"{m.band}: " if m.band else ""
             numbers = f"{m.measure} {m.before:.4g} → {m.after:.4g}"
             stdout.print(f"[green]repaired[/green] {m.kind}: {printable(band + m.what)}: {numbers}", highlight=False)
-        what = f"{len(mended)} repairs" if mended else "nothing to repair: copied as it is"
+        what = (
+            f"{len(mended)} repair{'s' if len(mended) > 1 else ''}" if mended else "nothing to repair: copied as it is"
+        )
         stdout.print(f"{printable(out)}: {what}; {'ok' if ok else 'still in violation'}", highlight=False)
     return {"file": out, "ok": ok, "mended": [asdict(m) for m in mended]}
 

@@ -1,12 +1,14 @@
-//! Components that are absent, the same as another, or in each other's place.
+//! Components that are absent, the same as another, in each other's place, or where nobody reads them.
 
 use super::{BandReport, Finding, Kind, Repair, Severity, energy, from};
 use crate::bsdf::{Band, Part, Scattering};
 use crate::direction::Side;
+use crate::tree::{Leaf, Rank};
 
 pub(super) fn findings(band: &Band, report: &BandReport, tolerance: f64) -> Vec<Finding> {
     let mut found = missing(band);
     found.extend(copies(band));
+    found.extend(unread(band));
     found.extend(swapped(band, report, tolerance));
     found
 }
@@ -43,6 +45,29 @@ fn missing(band: &Band) -> Vec<Finding> {
         }
     }
     found
+}
+
+/// Isotropic trees with light only where none is read: incident angles are in the half below ½ of the first coordinate.
+fn unread(band: &Band) -> Vec<Finding> {
+    let is_unread = |function: &Scattering| match function {
+        Scattering::Tree(tree) if tree.rank() == Rank::Three => {
+            let is_read = |leaf: &Leaf| leaf.level == 0 || leaf.cell[0] >> (leaf.level - 1) == 0;
+            let mut lit = tree.leaves().filter(|leaf| leaf.value > 0.0).peekable();
+            lit.peek().is_some() && !lit.any(|leaf| is_read(&leaf))
+        }
+        _ => false,
+    };
+    let parts = band.components().filter(|(_, component)| is_unread(&component.luminance));
+    parts
+        .map(|(part, _)| {
+            let message = format!(
+                "{} is black: all its values lie in the half of the isotropic tree that is not read (first coordinate ½ and over)",
+                part.file_name()
+            );
+            let advice = "the first coordinate is ½ − ½ sin θ: 0 for grazing light, nearly ½ for that along the normal";
+            Finding::new(Kind::Orientation, Severity::Warning, message, advice).of(part).by(1.0)
+        })
+        .collect()
 }
 
 /// Reflections that are a transmission, value by value.
