@@ -50,7 +50,9 @@ def percent(values: list[float]) -> str:
 
 def about(message: str) -> str:
     """The beginning of a message, as far as it says what it is about."""
-    return message.split(":")[0].split(";")[0].split(", by")[0]
+    if message.startswith("a guess: "):
+        return message
+    return message.split(":")[0].split(";")[0].split(", by")[0].split(" (")[0]
 
 
 def main() -> None:

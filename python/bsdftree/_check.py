@@ -33,7 +33,7 @@ class Finding:
     message
         What, where and how much.
     advice
-        What to do.
+        What to do, if there is something.
     repair
         Whether :meth:`Bsdf.repaired` can mend it.
     """

@@ -2,7 +2,7 @@
 
 In: a BSDF and a device. Out: the position of the device, of the sixteen that quarter turns, mirroring and turning
 round make, whose BSDF is nearest. The device is traced coarsely, over the patches of Klems's quarter basis: positions
-that matter differ by far more than what that costs. A BSDF alone cannot tell a device from one upside down or inside out.
+that matter differ by far more than what that costs. A BSDF alone does not tell whether it is upside down or inside out.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def placement_finding(positions: list[tuple[float, Position]], device: str) -> F
     as_it_is = next(error for error, position in positions if position == Position())
     if best == Position() and error < NEAR:
         message = f"as its geometry in {device} is, to {100 * error:.0f} % (relative L1 error of a coarse generation)"
-        return Finding("orientation", "note", None, None, None, error, message, "nothing", False)
+        return Finding("orientation", "note", None, None, None, error, message, "", False)
     if error < CLEARLY * as_it_is and error < NEAR:
         message = (
             f"the data is that of the device in {device} {best}: then it differs by {100 * error:.0f} % (relative L1), "

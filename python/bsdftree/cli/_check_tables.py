@@ -73,5 +73,7 @@ def _show_finding(finding: Finding) -> None:
     stdout.print(f"[{color}]{finding.severity}[/{color}] {finding.kind}: ", end="", highlight=False)
     # Not as markup: a file's own words may be in it.
     stdout.print(printable(finding.message), highlight=False, markup=False)
+    if not finding.advice:
+        return
     repair = f"; --fix OUT --only {finding.kind} repairs it" if finding.repair else ""
     stdout.print(f"  → {finding.advice}{repair}", highlight=False, markup=False)

@@ -148,7 +148,7 @@ def _with_faults(found: Check, bsdf: Bsdf, faults: list[str]) -> Check:
     if stated:
         error = float(stated[1]) / 100
         message = f"its maker estimates an error of {stated[1]} % of the whole (relative L1)"
-        said = [Finding("noise", "note", None, None, None, error, message, "nothing", False)]
+        said = [Finding("noise", "note", None, None, None, error, message, "", False)]
     return replace(found, findings=(*read, *found.findings, *said))
 
 
