@@ -6,6 +6,7 @@ Scores are Student's t with 15 degrees of freedom or more; a BSDF has 4 · 41² 
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -29,10 +30,18 @@ def traced(stack: Stack, samples: int = 800, **into: Any) -> list[dict[str, Arra
 
 def stacked(stack: Stack, samples: int = 800, **into: Any) -> list[bsdftree.Bsdf]:
     """Each layer alone, then stacked."""
+    key = tuple((name, tuple(value) if isinstance(value, list) else value) for name, value in into.items())
     return [
-        bsdftree.stack([generate(layer, 1 + k, samples, **into) for layer in stack.alone()], **_domain(**into))
+        bsdftree.stack([alone(text, 1 + k, samples, key) for text in stack.texts()], **_domain(**into))
         for k in range(TIMES)
     ]
+
+
+@cache
+def alone(text: str, seed: int, samples: int, into: tuple[tuple[str, Any], ...]) -> bsdftree.Bsdf:
+    """A layer, which several stacks have."""
+    options = {name: list(value) if isinstance(value, tuple) else value for name, value in into}
+    return generate(bsdftree.Device.parse(text), seed, samples, **options)
 
 
 def _domain(klems: Any = None, log2_res: int | None = None, **_: Any) -> dict[str, Any]:

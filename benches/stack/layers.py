@@ -48,10 +48,14 @@ class Stack:
     pane_outside: bool
     gap: float
 
+    def texts(self) -> list[str]:
+        """Return the scenes of the layers from the outside to the room, each alone."""
+        layers = [PANES[self.pane] + self._pane(-0.01), SHADES[self.shade] + _slat(0.0)]
+        return layers if self.pane_outside else layers[::-1]
+
     def alone(self) -> list[Device]:
         """Return the layers from the outside to the room."""
-        layers = [PANES[self.pane] + self._pane(-0.01), SHADES[self.shade] + _slat(0.0)]
-        return [Device.parse(text) for text in (layers if self.pane_outside else layers[::-1])]
+        return [Device.parse(text) for text in self.texts()]
 
     def together(self) -> Device:
         """Both in one scene."""
