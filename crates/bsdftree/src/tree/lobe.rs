@@ -19,7 +19,8 @@ pub struct TreeLobe<'a>(Inner<'a>);
 enum Inner<'a> {
     /// With its total, and cosine and sine of the azimuth that exitant directions are turned by, if they are.
     Constant(SliceRef<'a, Slice>, f64, Option<[f64; 2]>),
-    Smooth(SmoothLobe<'a>),
+    /// By itself, so that the others stay small.
+    Smooth(Box<SmoothLobe<'a>>),
     /// With the azimuth of the incident direction.
     Rank3Reverse(Arc<Rank3Reverse>, f64),
 }
@@ -43,7 +44,8 @@ impl Tree {
                 Inner::Constant(self.slice(cell), self.total(cell), azimuth)
             }
             Some(smooth) => {
-                Inner::Smooth(smooth.lobe(&self.arena, self.incident_coordinates(incident), azimuth))
+                let incident = self.incident_coordinates(incident);
+                Inner::Smooth(Box::new(smooth.lobe(&self.arena, incident, azimuth)))
             }
         })
     }

@@ -264,6 +264,7 @@ impl Tree {
     }
 
     /// The slice over an incident cell.
+    #[inline]
     fn slice(&self, cell: [u32; 2]) -> SliceRef<'_, Slice> {
         self.slices.slice(&self.arena, cell, || Slice::new(&self.arena, cell))
     }
