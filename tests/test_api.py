@@ -51,6 +51,15 @@ def test_smooth_answers_fit_together_and_keep_the_leaves(blinds, rng):
         np.testing.assert_array_equal(smooth.components[name].to_grid(), tree.to_grid())
 
 
+def test_ramps_make_no_light(rng):
+    prism = generate("prism", log2_res=4, samples=1000)
+    i = direction_from_polar(np.degrees(np.arcsin(np.sqrt(rng.random(20000)))), rng.uniform(0, 360, 20000))
+    i[::2, 2] *= -1
+    steps, ramps = prism.hemispherical(i), prism.smooth().hemispherical(i)
+    assert ramps.max() < 1.025 * max(steps.max(), 1)
+    assert ramps.mean() == pytest.approx(steps.mean(), abs=0.002)
+
+
 def test_smooth_needs_a_tree(blinds):
     with pytest.raises(ValueError, match="tensor trees"):
         blinds.to_klems("quarter").smooth()

@@ -293,9 +293,17 @@ impl Bsdf {
     /// written to a file stays what it is. `None` if it has no tree.
     pub fn smooth(&self) -> Option<Bsdf> {
         let mut bsdf = self.clone();
-        for component in bsdf.bands.iter_mut().flat_map(Band::components_mut) {
-            if let Scattering::Tree(tree) = &component.luminance {
-                component.luminance = tree.smooth().into();
+        for (band, steps) in bsdf.bands.iter_mut().zip(&self.bands) {
+            for (part, component) in steps.components() {
+                let Scattering::Tree(tree) = &component.luminance else { continue };
+                // With the ramps that it has already.
+                let so_far = band.clone();
+                let other = so_far.answering(part.incident_side(), part.exitant_side().opposite());
+                let beside = |incident: Direction| {
+                    other.map_or(0.0, |(other, reversed)| other.luminance.hemispherical(incident, reversed))
+                };
+                let ramps = Component { luminance: tree.smooth_beside(&beside).into(), ..component.clone() };
+                band.insert(part, ramps);
             }
         }
         bsdf.is_smooth().then_some(bsdf)

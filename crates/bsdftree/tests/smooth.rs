@@ -59,6 +59,51 @@ fn leaves_and_values_in_files_stay_as_they_are() {
 }
 
 #[test]
+fn a_tree_of_one_leaf_is_smooth_too() {
+    for rank in [Rank::Three, Rank::Four] {
+        let smooth = Tree::uniform(rank, 0.25).smooth();
+        let (i, o) = ([0.6, 0.0, 0.8], [0.0, 0.6, 0.8]);
+        assert_eq!(smooth.eval(i, o), 0.25);
+        assert!((smooth.hemispherical(i, false) - 0.25 * PI).abs() < 1e-12);
+        let mut many = [0.0];
+        smooth.eval_many(&[i], &[o], &mut many);
+        assert_eq!(many, [0.25]);
+        let sampled = smooth.lobe(i, false).sample(0.3, None);
+        assert_eq!(sampled.map(|s| s.1), Some(0.25));
+    }
+}
+
+#[test]
+fn no_more_light_comes_out_than_from_the_cells_around() {
+    // A mirror's peak, a cell wide or two, that wanders with the incident direction: all light, whatever that is.
+    let n = 16usize;
+    let values: Vec<f32> = (0..n.pow(4))
+        .map(|k| {
+            let [a, b, c, d] = [k / 4096, k / 256 % 16, k / 16 % 16, k % 16];
+            let peak = |i: usize, o: usize| match (o + 20 - i - i / 3) % 16 {
+                0 => 0.7,
+                1 => 0.3,
+                _ => 0.0,
+            };
+            (peak(a, c) * peak(b, d) * 256.0 / PI) as f32
+        })
+        .collect();
+    let tree = Tree::from_grid(Rank::Four, &values).unwrap();
+    let smooth = tree.smooth();
+    let mut random = Random(16);
+    let mut moved = 0.0f64;
+    for _ in 0..20_000 {
+        let incident = random.direction();
+        let total = smooth.hemispherical(incident, false);
+        assert!((total - 1.0).abs() < 0.0101, "{total}");
+        let exitant = smooth.lobe(incident, false).sample(random.unit(), None).unwrap().0;
+        let exitant = Side::Front.direction_from_disk(exitant);
+        moved = moved.max((smooth.eval(incident, exitant) / tree.eval(incident, exitant) - 1.0).abs());
+    }
+    assert!(moved > 0.1, "{moved}");
+}
+
+#[test]
 fn a_linear_function_is_reproduced_inside() {
     let n = 8usize;
     let f = |x: [f64; 4]| 1.0 + 0.3 * x[0] - 0.2 * x[1] + 0.5 * x[2] + 0.1 * x[3];

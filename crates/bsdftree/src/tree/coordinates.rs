@@ -9,8 +9,8 @@
 //! to multiples of 2⁻⁴⁰ first, so that rounding noise does not choose the cell: normal incidence is (½, ½) and lies in
 //! the upper cell of both incident dimensions. (In Radiance it lies where the last bit of the input puts it.)
 
-use crate::direction::Direction;
-use crate::square::{square_from_disk, square_from_polar};
+use crate::direction::{Direction, Side};
+use crate::square::{disk_from_square, square_from_disk, square_from_polar};
 use crate::tree::arena::Rank;
 
 /// Bits of a quantised coordinate.
@@ -41,6 +41,15 @@ pub(super) fn incident_coordinates(rank: Rank, incident: Direction) -> [u64; 2] 
         Rank::Four => square_from_disk([-incident[0], -incident[1]]).map(quantized),
         Rank::Three => [quantized(rank3_coordinate(incident)), 0],
     }
+}
+
+/// The direction on the front whose incident coordinates these are; at rank 3 in the plane y = 0.
+pub(super) fn incident_direction(rank: Rank, coordinates: [f64; 2]) -> Direction {
+    let disk = match rank {
+        Rank::Four => disk_from_square(coordinates),
+        Rank::Three => [(1.0 - 2.0 * RANK3_SHIFT - 2.0 * coordinates[0]).max(0.0), 0.0],
+    };
+    Side::Front.direction_from_disk(disk.map(|x| -x))
 }
 
 /// d0 of rank 3.

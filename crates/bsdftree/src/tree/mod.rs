@@ -13,6 +13,7 @@ mod reverse;
 mod lobe;
 mod batch;
 mod slopes;
+mod ramp_totals;
 mod smooth;
 mod walk;
 
@@ -106,8 +107,16 @@ impl Tree {
 
     /// The same tree, whose values, samples, densities and totals go up and down inside its leaves as their neighbours suggest, instead
     /// of being constant there. The mean of every leaf is kept. Leaves, areas and what is written to a file stay what they are.
+    ///
+    /// The total of a direction stays within those of the cells around its own, and 1 % of them.
     pub fn smooth(&self) -> Tree {
-        self.with_slopes(Arc::new(Slopes::new(&self.arena)))
+        self.smooth_beside(&|_| 0.0)
+    }
+
+    /// [`Tree::smooth`] of one of two functions that share the light of each direction: the sum of both totals is kept likewise. `beside` is
+    /// the total of the other one.
+    pub fn smooth_beside(&self, beside: &dyn Fn(Direction) -> f64) -> Tree {
+        self.with_slopes(Arc::new(Slopes::new(&self.arena, beside)))
     }
 
     fn with_slopes(&self, slopes: Arc<Slopes>) -> Tree {

@@ -10,8 +10,10 @@
 //! a cell of the leaf's own size is taken, or over its near half if that makes the slope flatter; of a coarser one what its own slopes of the round before give in such a cell; and at the border
 //! of the domain, where there is one side only, half the slope to it: BSDFs bend there more than elsewhere.
 
+use crate::direction::Direction;
 use crate::tree::arena::{Arena, Content, MAX_LOG2_RES, Rank, Slot};
 use crate::tree::batch::ask;
+use crate::tree::ramp_totals;
 use crate::tree::walk::child_cell;
 
 /// Slopes of one leaf in units of 2⁻¹⁵; their sizes sum up to 2¹⁵ at most.
@@ -27,8 +29,8 @@ const ROUNDS: usize = 2;
 pub(super) struct Slopes(Box<[Slope]>);
 
 impl Slopes {
-    /// Those of an arena.
-    pub fn new(arena: &Arena) -> Slopes {
+    /// Those of an arena; `beside` is what leaves besides for an incident direction.
+    pub fn new(arena: &Arena, beside: &dyn Fn(Direction) -> f64) -> Slopes {
         let flat = vec![[0.0; 4]; arena.slots().len()];
         let mut fit = Fit { arena, means: vec![0.0; arena.n_nodes()], rises: flat.clone() };
         if let Content::Node(root) = arena.root().content() {
@@ -46,7 +48,9 @@ impl Slopes {
             }
             _ => [0; 4],
         };
-        Slopes(arena.slots().iter().zip(fit.rises).map(relative).collect())
+        let mut slopes: Box<[Slope]> = arena.slots().iter().zip(fit.rises).map(relative).collect();
+        ramp_totals::keep(arena, &mut slopes, beside);
+        Slopes(slopes)
     }
 
     /// Those of the rank-4 tree with incident and exitant directions swapped.
@@ -69,7 +73,8 @@ impl Slopes {
     /// Of the leaf in a slot.
     #[inline(always)]
     pub fn of(&self, slot: usize) -> Slope {
-        self.0[slot]
+        // A tree of one leaf has no slots.
+        self.0.get(slot).copied().unwrap_or_default()
     }
 
     /// Asks early for those of a slot.
