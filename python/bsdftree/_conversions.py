@@ -58,8 +58,9 @@ class Conversions(Described):
         Inside a leaf the values then go up and down as those around it suggest; the mean over every leaf stays what it
         is, so that no light is gained or lost, and nothing is negative. ``eval``, ``sample``, ``pdf`` and
         ``hemispherical`` fit together as before. A function that the tree resolves is met several times better; a peak
-        narrower than a leaf stays a block. Totals of directions stay within 1 % of those of the cells around. Matrices and colour (u′, v′) stay constant over their cells. What is saved,
-        converted or turned are the leaves, without ramps.
+        narrower than a leaf stays a block. Totals of directions stay within 1 % of those of the cells around. Matrices
+        and colour (u′, v′) stay constant over their cells. What is saved, converted or turned are the leaves, without
+        ramps.
 
         Raises
         ------
