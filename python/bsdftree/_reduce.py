@@ -106,13 +106,13 @@ def reduced(
 
     def at(bound: float) -> _core.Bsdf:
         of_l1, of_rms = (bound, None) if norm == "l1" else (None, bound)
-        return _core.reduced_bsdf(bsdf, of_l1, of_rms, total, None, norm)
+        return _core.reduced_bsdf(bsdf, of_l1, of_rms, total, norm)
 
     if n_leaves is not None:
         return _smallest_error(at, lambda b: sum(tree.n_leaves for tree in trees_of(b)), n_leaves, "leaves")
     if n_bytes is not None:
         return _smallest_error(at, lambda b: len(b.to_xml().encode()), n_bytes, "bytes")
-    return _core.reduced_bsdf(bsdf, l1, rms, total, None, norm)
+    return _core.reduced_bsdf(bsdf, l1, rms, total, norm)
 
 
 def _smallest_error(

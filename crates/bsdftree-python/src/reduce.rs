@@ -51,10 +51,9 @@ pub fn reduced_bsdf(
     l1: Option<f64>,
     rms: Option<f64>,
     total: Option<f64>,
-    n_leaves: Option<usize>,
     norm: &str,
 ) -> PyResult<Bsdf> {
-    let goal = goal(l1, rms, total, n_leaves, norm)?;
+    let goal = goal(l1, rms, total, None, norm)?;
     let reduced = py.detach(|| bsdf.bsdf.reduced(&goal)).map_err(value_error)?;
     Ok(Bsdf { bsdf: reduced, repairs: Vec::new() })
 }

@@ -3,6 +3,9 @@
 //! H. C. Chen and Y. Asau, "On generating random variates from an empirical distribution", AIIE Transactions 6, 1974:
 //! the guide says where to begin in the sums, so that on average O(1) of them are compared.
 
+/// The largest number below 1.
+pub(crate) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// Weights summed up, in the order in which they were given.
 #[derive(Clone, Debug)]
 pub(crate) struct Cumulative {
@@ -61,7 +64,7 @@ impl Cumulative {
             k -= 1;
         }
         let rest = (target - self.sums[k]) / (self.sums[k + 1] - self.sums[k]);
-        Some((k, rest.clamp(0.0, 1.0 - f64::EPSILON / 2.0)))
+        Some((k, rest.clamp(0.0, BELOW_ONE)))
     }
 }
 

@@ -5,10 +5,8 @@
 
 use crate::bsdf::{Band, Component, Lobe, Scattering};
 use crate::color::xyz_from_yuv;
+use crate::cumulative::BELOW_ONE;
 use crate::direction::{Direction, Side};
-
-/// The largest number below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A direction sampled from a BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import sys
-import tempfile
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ import click
 from bsdftree import Bsdf, Check, Finding, Mended, __version__, _core, load
 from bsdftree._check import KINDS
 from bsdftree._placement import Position, placed, placement_finding
+from bsdftree._whole_file import whole_file
 from bsdftree.cli._check_tables import show
 from bsdftree.cli._common import json_option, print_json, printable, stdout, with_input_errors
 
@@ -197,13 +197,5 @@ def _repaired(
 
 def _copy(path: str, out: str) -> None:
     """Copy bit by bit, whole or not at all."""
-    target = Path(out)
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    try:
-        with open(path, "rb") as source, os.fdopen(handle, "wb") as file:
-            shutil.copyfileobj(source, file)
-        shutil.copymode(path, temporary)
-        os.replace(temporary, out)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with whole_file(out) as temporary:
+        shutil.copy(path, temporary)

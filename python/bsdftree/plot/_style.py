@@ -19,6 +19,8 @@ from matplotlib.image import AxesImage
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 
+from bsdftree._whole_file import whole_file
+
 Array = NDArray[np.float64]
 ZERO = "#1c1c1c"
 INK = "#333333"
@@ -68,18 +70,8 @@ def save(picture: Figure, path: str | os.PathLike[str], *, dpi: float | None = N
         raise ValueError(f"{target}: ending {target.suffix!r}; expected .png, .svg or .pdf")
     # Dates and random identifiers would make each file different.
     metadata: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(format_, {})
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        with matplotlib.rc_context({"svg.hashsalt": "bsdftree"}):
-            picture.savefig(temporary, format=format_, metadata=metadata, dpi="figure" if dpi is None else dpi)
-        temporary.replace(target)
-    except OSError as error:
-        if error.errno is None:
-            raise
-        # Name the file asked for, not the temporary one.
-        raise OSError(error.errno, error.strerror, str(target)) from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole_file(target) as temporary, matplotlib.rc_context({"svg.hashsalt": "bsdftree"}):
+        picture.savefig(temporary, format=format_, metadata=metadata, dpi="figure" if dpi is None else dpi)
 
 
 class Scale(NamedTuple):

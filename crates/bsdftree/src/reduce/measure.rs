@@ -38,7 +38,7 @@ impl Measures {
 }
 
 /// How much of the domain a cell of a level is, by its first coordinate at that level.
-pub(super) struct Weights(Vec<Vec<f64>>);
+struct Weights(Vec<Vec<f64>>);
 
 impl Weights {
     /// For the levels of a tree.
@@ -132,8 +132,15 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    /// Adds the part below two slots: of the arena that is given, and of the tree with branches cut off.
-    pub fn add(&mut self, arenas: [&Arena; 2], weights: &Weights, slots: [Slot; 2], level: u32, layer: u32) {
+    /// Over a tree and what is left of it.
+    pub fn of(whole: &Arena, reduced: &Arena) -> Sums {
+        let (mut sums, arenas) = (Sums::default(), [whole, reduced]);
+        sums.add(arenas, &Weights::new(whole), arenas.map(Arena::root), 0, 0);
+        sums
+    }
+
+    /// Adds the part below two slots.
+    fn add(&mut self, arenas: [&Arena; 2], weights: &Weights, slots: [Slot; 2], level: u32, layer: u32) {
         match slots.map(Slot::content) {
             [Content::Leaf(f), Content::Leaf(g)] => {
                 let [f, g] = [f, g].map(f64::from);

@@ -14,7 +14,7 @@ mod whole;
 use thiserror::Error;
 
 use crate::tree::{Arena, Content, Slot, Totals, Tree, TreeBuilder};
-use measure::{Measures, Sums, Weights};
+use measure::{Measures, Sums};
 use prune::{Pruning, between, boundary};
 
 /// How differences are weighed.
@@ -155,11 +155,13 @@ impl Tree {
             return Err(ReduceError::NoPart);
         }
         self.has_totals()?;
-        let mut sums = Sums::default();
-        let arenas = [self.arena(), reduced.arena()];
-        sums.add(arenas, &Weights::new(self.arena()), arenas.map(Arena::root), 0, 0);
-        Ok(totals::with_totals(sums.loss(), self.arena(), reduced.arena()))
+        Ok(loss(self.arena(), reduced.arena()))
     }
+}
+
+/// How far a tree with branches cut off is from the whole one.
+fn loss(whole: &Arena, reduced: &Arena) -> Loss {
+    totals::with_totals(Sums::of(whole, reduced).loss(), whole, reduced)
 }
 
 /// Whether the second tree is nowhere finer than the first.
@@ -185,8 +187,7 @@ struct Reduction<'a> {
 
 impl Reduction<'_> {
     fn new(arena: &Arena, norm: Norm) -> Reduction<'_> {
-        let mut whole = Sums::default();
-        whole.add([arena; 2], &Weights::new(arena), [arena.root(); 2], 0, 0);
+        let whole = Sums::of(arena, arena);
         Reduction { arena, measures: Measures::new(arena, norm), light: whole.light, power: whole.power }
     }
 
@@ -204,7 +205,7 @@ impl Reduction<'_> {
             totals::kept(self.arena, &self.measures.means, &mut is_cut, bound);
         }
         let tree = self.tree(&is_cut);
-        let loss = self.loss(&tree);
+        let loss = loss(self.arena, tree.arena());
         match n_leaves {
             Some(asked) if tree.arena().n_leaves() > asked => {
                 Err(ReduceError::Leaves { needed: tree.arena().n_leaves(), asked })
@@ -225,19 +226,12 @@ impl Reduction<'_> {
         let pruning = between(&self.measures, self.arena, [&few, &many], |_, [error, _]| error > first);
         // Errors are kept in 32 bits, and the other bounds are not known of a pruning without its tree.
         let others = Goal { total: goal.total.filter(|_| first == f64::INFINITY), ..*goal };
-        let is_kept = |p: &Pruning| others.is_kept_by(&self.loss(&self.tree(&p.is_cut)));
+        let is_kept = |p: &Pruning| others.is_kept_by(&loss(self.arena, self.tree(&p.is_cut).arena()));
         if is_kept(&pruning) {
             return pruning;
         }
         let [pruning, _] = boundary(&self.measures, rank, |p| p.error <= first && is_kept(p));
         pruning
-    }
-
-    fn loss(&self, reduced: &Tree) -> Loss {
-        let mut sums = Sums::default();
-        let arenas = [self.arena, reduced.arena()];
-        sums.add(arenas, &Weights::new(self.arena), arenas.map(Arena::root), 0, 0);
-        totals::with_totals(sums.loss(), self.arena, reduced.arena())
     }
 
     /// The tree that is left when branches are cut.

@@ -1,5 +1,5 @@
-//! Keeps the light of each incident direction where leaves have ramps: those of a peak that wanders over its neighbours would add up to more light than
-//! there is.
+//! Keeps the light of each incident direction where leaves have ramps: those of a peak that wanders over its neighbours would add up to
+//! more light than there is.
 //!
 //! In: an arena and the slopes of its leaves. Out: slopes along the incident axes made flatter, so that inside each finest incident cell no
 //! directional-hemispherical total is above the largest of the cells around it (or below the smallest) by more than [`SLACK`] of it,
@@ -13,7 +13,7 @@ use crate::tree::arena::{Arena, Content, Rank, Slot};
 use crate::tree::coordinates::incident_direction;
 use crate::tree::slice::area;
 use crate::tree::slopes::{Slope, steepness};
-use crate::tree::totals::Totals;
+use crate::tree::totals::{Totals, incident_axes};
 use crate::tree::walk::child_cell;
 
 /// How much more than around it a total may be, as a part of itself. With less, ramps of smooth functions are lost: at 0.1 %, a quarter of
@@ -39,7 +39,7 @@ pub(super) fn keep(arena: &Arena, slopes: &mut [Slope], beside: &dyn Fn(Directio
         for leaf in &leaves {
             let factor = limits.factor(arena.rank(), leaf, slopes[leaf.slot], &factors);
             if factor < 1.0 {
-                for slope in &mut slopes[leaf.slot][..incident_axes(arena.rank())] {
+                for slope in incident(arena.rank(), &mut slopes[leaf.slot]) {
                     *slope = (f64::from(*slope) * factor) as i16;
                 }
             }
@@ -48,15 +48,13 @@ pub(super) fn keep(arena: &Arena, slopes: &mut [Slope], beside: &dyn Fn(Directio
     flatten(arena.rank(), slopes);
 }
 
-fn incident_axes(rank: Rank) -> usize {
-    match rank {
-        Rank::Three => 1,
-        Rank::Four => 2,
-    }
+/// Those along the incident axes.
+fn incident(rank: Rank, slope: &mut Slope) -> &mut [i16] {
+    &mut slope[..incident_axes(rank) as usize]
 }
 
 fn flatten(rank: Rank, slopes: &mut [Slope]) {
-    slopes.iter_mut().for_each(|slope| slope[..incident_axes(rank)].fill(0));
+    slopes.iter_mut().for_each(|slope| incident(rank, slope).fill(0));
 }
 
 /// A leaf of light.

@@ -13,15 +13,13 @@ use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::cumulative::BELOW_ONE;
 use crate::hilbert::{State, cell_from_hilbert};
 use crate::tree::arena::{Arena, Content, Rank, Slot};
 use crate::tree::cache;
 
 /// Levels of the Hilbert index inside the unit square: 2^-26 is below the rounding of a direction in f32.
 const LEVELS: u32 = 26;
-
-/// The largest number below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// All fractions.
 const ONE: u64 = 1 << 32;

@@ -8,6 +8,7 @@
 
 use std::sync::{Arc, OnceLock};
 
+use crate::cumulative::BELOW_ONE;
 use crate::square::disk_from_square;
 use crate::tree::arena::{Arena, Rank};
 use crate::tree::batch::ask;
@@ -16,9 +17,6 @@ use crate::tree::coordinates::{QUANTUM_BITS, turned};
 use crate::tree::slice::{Met, Place, area, level_of, walk};
 use crate::tree::slopes::{Slope, Slopes, steepness};
 use crate::tree::totals::Totals;
-
-/// The largest number below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// What a smooth tree has besides its arena.
 pub(super) struct Smooth {

@@ -79,7 +79,8 @@ fn added<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|i| a[i] + b[i])
 }
 
-fn incident_axes(rank: Rank) -> u32 {
+/// Dimensions of the incident direction.
+pub(super) fn incident_axes(rank: Rank) -> u32 {
     match rank {
         Rank::Three => 1,
         Rank::Four => 2,
