@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import argparse
 import time
+from pathlib import Path
 
-from . import contender, gonio, judge, report, truths
+from . import contender, gonio, judge, picture, report, truths
 
 
 def main() -> None:
@@ -35,6 +36,8 @@ def main() -> None:
             print(report.directions(cases[-1]))
         print(f"  ({material.note}; {time.perf_counter() - start:.0f} s)\n", flush=True)
     print(report.table(cases))
+    if arguments.picture:
+        picture.draw(cases, arguments.picture)
 
 
 def case(material: truths.Material, arguments: argparse.Namespace) -> report.Case:
@@ -75,6 +78,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--nearest", action="store_true", help="nearest readings instead of our fit")
     parser.add_argument("--log2-res", type=int, help="of trees; 5 for rank 4, 6 for rank 3 by default")
     parser.add_argument("-v", "--verbose", action="store_true", help="the worst directions of each material")
+    parser.add_argument("--picture", type=Path, help="where to draw truth and contenders side by side")
     parser.add_argument("--list", action="store_true", help="what materials there are")
     return parser.parse_args()
 

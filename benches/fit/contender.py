@@ -1,4 +1,7 @@
-"""Who is judged: something that answers pairs of directions, perhaps with an error, and what it took."""
+"""Who is judged: something that answers pairs of directions, perhaps with an error, and the CPU time that it took.
+
+CPU time of all threads, and of all programs: wall time depends on who else uses the machine.
+"""
 
 from __future__ import annotations
 
@@ -41,9 +44,9 @@ def model(scans: list[Scan], **options: Any) -> tuple[Contender, Any]:
     if not hasattr(bsdftree, "fit"):
         raise SystemExit("this bsdftree has no fit yet")
     taken = measurement(scans)
-    start = time.perf_counter()
+    start = time.process_time()
     fitted = bsdftree.fit(taken, **options)
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     return Contender("ours", fitted.eval, fitted.error, None, seconds, str(getattr(fitted, "report", ""))), fitted
 
 
@@ -54,16 +57,16 @@ def of_tree(name: str, bsdf: bsdftree.Bsdf, log2_res: int, seconds: float, error
 def tree(scans: list[Scan], rank: int, log2_res: int, tolerance: float = 0.0, **options: Any) -> Contender:
     """Our fit as a tree; time of fitting and resampling."""
     pointwise, fitted = model(scans, **options)
-    start = time.perf_counter()
+    start = time.process_time()
     bsdf = fitted.bsdf(rank=rank, log2_res=log2_res, tolerance=tolerance)
-    seconds = pointwise.seconds + time.perf_counter() - start
+    seconds = pointwise.seconds + time.process_time() - start
     return of_tree("ours", bsdf, log2_res, seconds, fitted.error)
 
 
 def radiance(files: list[Path], log2_res: int, cache: Path) -> Contender:
     """The incumbent's tree."""
     outcome = incumbent.tree(files, log2_res, cache)
-    return of_tree("incumbent", outcome.bsdf(), log2_res, outcome.interpolant.wall + outcome.resampling.wall)
+    return of_tree("incumbent", outcome.bsdf(), log2_res, outcome.interpolant.cpu + outcome.resampling.cpu)
 
 
 def nearest(scans: list[Scan]) -> Contender:

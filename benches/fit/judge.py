@@ -3,7 +3,7 @@
 **In cells** (trees, the verdict). For each left-out incident cell and all exitant cells of a grid of 2^log2_res per
 axis, both the truth and the contender are averaged over the incident cell *and* the exitant cell, by the tree's own
 measure (uniform in its coordinates: projected solid angle; at rank 3 uniform in sin θ of the incident direction). The
-truth by POINTS points of a low-discrepancy sequence in both cells together; a tree of the same resolution by its
+truth by 512 points (POINTS) of a low-discrepancy sequence in both cells together; a tree of the same resolution by its
 value, a finer tree by all its cells within, anything else by points too. So no contender is charged for what a tree of
 that resolution cannot show. bsdf2ttree samples the middle of incident cells only; so it is also compared with the truth
 at the middle (averaged over exitant cells alone), and whichever is better for it counts.
@@ -29,7 +29,8 @@ from .film import low_discrepancy
 from .formulas import Array, Function
 from .truths import Material, cache_folder
 
-POINTS = 128
+POINTS = {"prism": 128}
+"""For true means of a family; 512 for what is not traced."""
 MODEL_POINTS = 32
 
 
@@ -42,6 +43,9 @@ class Verdict:
     total: Array
     covered: Array | None
     seconds: float
+    values: Array
+    """What was found, and what is true: (incident, exitant)."""
+    true: Array
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,8 @@ def _verdict(contender: Contender, found: Array, true: Array, error: Array | Non
     if error is not None:
         covered = np.sum(true * (np.abs(found - true) <= 2 * error), axis=1) / flux
     l1 = np.abs(found - true).sum(axis=1) / flux
-    return Verdict(contender.name, l1, np.abs(found.sum(axis=1) - true.sum(axis=1)) / flux, covered, contender.seconds)
+    total = np.abs(found.sum(axis=1) - true.sum(axis=1)) / flux
+    return Verdict(contender.name, l1, total, covered, contender.seconds, found, true)
 
 
 def _means(court: Court, function: Function, points: Array) -> Array:
@@ -117,16 +122,17 @@ def _means(court: Court, function: Function, points: Array) -> Array:
 
 def truth(court: Court, *, at_middle: bool = False) -> Array:
     """True means over cells, or over exitant cells at the middle of incident cells; kept in the cache."""
+    points = POINTS.get(court.material.family, 512)
     source = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")) if path.stem in SOURCES)
-    asked = (court.material.name, court.cells, court.incident.tolist(), at_middle, POINTS)
+    asked = (court.material.name, court.cells, court.incident.tolist(), at_middle, points)
     key = hashlib.sha256(repr(asked).encode() + source).hexdigest()[:16]
     path = cache_folder() / f"truth-{court.material.name}-{key}.npy"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
-        points = low_discrepancy(POINTS, 4)
+        places = low_discrepancy(points, 4)
         if at_middle:
-            points[:, :2] = 0.5
-        np.save(path, _means(court, court.material, points))
+            places[:, :2] = 0.5
+        np.save(path, _means(court, court.material, places))
     return np.asarray(np.load(path))
 
 

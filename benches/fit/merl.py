@@ -84,7 +84,7 @@ def _ngan_cook_torrance(p: Parameters) -> Function:
 
 
 def _shifted_gamma(p: Parameters) -> Function:
-    """Bagher et al.: eqs. 9 (distribution), 15 (masking), 17 (Fresnel)."""
+    """Bagher et al.: their distribution, fitted masking and adapted Schlick term."""
     alpha, power, scale = (p[key] for key in ("alpha", "p", "K"))
     at_normal, slope = p["eta"]
 

@@ -3,7 +3,7 @@
 Columns: how many left-out incident directions count (inside the measured range, away from total internal reflection);
 mean relative L1 of both, the ratio of means, the least ratio and our worst L1 of any one direction; mean relative error
 of hemispherical totals; share of flux within 2 standard errors; mean L1 outside the measured range, and near total
-internal reflection; wall time from readings to tree [s]; targets that ours misses.
+internal reflection; CPU time from readings to tree [s]; targets that ours misses.
 """
 
 from __future__ import annotations
@@ -76,8 +76,8 @@ COLUMNS = (
     "outside theirs",
     "TIR ours",
     "TIR theirs",
-    "s ours",
-    "s theirs",
+    "CPU s ours",
+    "CPU s theirs",
     "misses",
 )
 
