@@ -23,6 +23,7 @@ from bsdftree._energyplus_file import save_energyplus
 from bsdftree._generate import generate
 from bsdftree._lobes import save_lobes
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
+from bsdftree._measurement import Measurement, Scan
 from bsdftree._package import package
 from bsdftree._peaks import Peak, PeakFamily
 from bsdftree._queries import Sample
@@ -42,6 +43,7 @@ __all__ = [
     "GenerationReport",
     "Loss",
     "Matrix",
+    "Measurement",
     "Mended",
     "Noise",
     "Parameter",
@@ -51,6 +53,7 @@ __all__ = [
     "Reduction",
     "Resumed",
     "Sample",
+    "Scan",
     "Symmetry",
     "Tree",
     "__version__",

@@ -74,6 +74,32 @@ class Layout:
     def starts(self, from_back: bool, cell: int, n: int, seed: int) -> _Array: ...
     def function(self, values: NDArray[np.float32]) -> Tree | Matrix: ...
 
+_Scan = tuple[_Array, _Array, _Array, _Array | None, str]
+
+class Measurement:
+    n_channels: int
+    name: str | None
+    manufacturer: str | None
+    symmetry: str | None
+    wavelength_nm: float | None
+    notes: list[str]
+    parts: list[str]
+    scans: list[_Scan]
+    @staticmethod
+    def read(paths: list[str], *, format: str | None, side: str) -> Measurement: ...
+    @staticmethod
+    def of_arrays(
+        scans: list[_Scan],
+        *,
+        n_channels: int,
+        name: str | None,
+        manufacturer: str | None,
+        symmetry: str | None,
+        wavelength_nm: float | None,
+        notes: list[str],
+    ) -> Measurement: ...
+    def to_pab_opto(self) -> list[tuple[str, str]]: ...
+
 class Device:
     n_surfaces: int
     warnings: list[str]

@@ -5,5 +5,6 @@
 
 pub mod measurement;
 pub mod read;
+pub mod write;
 
-pub use measurement::{Measurement, Scan};
+pub use measurement::{Measurement, Scan, Symmetry};

@@ -56,6 +56,28 @@ pub enum Symmetry {
     Isotropic,
 }
 
+impl Symmetry {
+    /// All of them.
+    pub const ALL: [Symmetry; 5] = [
+        Symmetry::Anisotropic,
+        Symmetry::BilateralX,
+        Symmetry::BilateralY,
+        Symmetry::Quadrilateral,
+        Symmetry::Isotropic,
+    ];
+
+    /// The name by which people choose it: `bilateral_x`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Symmetry::Anisotropic => "anisotropic",
+            Symmetry::BilateralX => "bilateral_x",
+            Symmetry::BilateralY => "bilateral_y",
+            Symmetry::Quadrilateral => "quadrilateral",
+            Symmetry::Isotropic => "isotropic",
+        }
+    }
+}
+
 impl Measurement {
     /// The parts that there are values of, in the order of [`Part::ALL`].
     pub fn parts(&self) -> Vec<Part> {
@@ -66,5 +88,71 @@ impl Measurement {
             })
         };
         Part::ALL.into_iter().filter(|&part| has(part)).collect()
+    }
+
+    /// Turns the sample by half a turn about +Y: front and back change places, and so do left and right; up stays up.
+    pub fn turn_front_to_back(&mut self) {
+        for scan in &mut self.scans {
+            for direction in scan.exitant.iter_mut().chain([&mut scan.incident]) {
+                *direction = [-direction[0], direction[1], -direction[2]];
+            }
+        }
+    }
+
+    /// What is wrong with it, if anything: directions that are no unit vectors, numbers that are not finite or too few or many.
+    ///
+    /// # Errors
+    /// The first fault, in words that name the scan.
+    pub fn verify(&self) -> Result<(), String> {
+        if !matches!(self.n_channels, 1 | 3) {
+            return Err(format!(
+                "{} numbers for each direction; expected 1, or 3 for X, Y and Z",
+                self.n_channels
+            ));
+        }
+        for (k, scan) in self.scans.iter().enumerate() {
+            scan.verify(self.n_channels).map_err(|fault| format!("scan {k}: {fault}"))?;
+        }
+        Ok(())
+    }
+}
+
+impl Scan {
+    fn verify(&self, n_channels: usize) -> Result<(), String> {
+        let is_unit = |d: &Direction| (d.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 1e-9;
+        if !is_unit(&self.incident) {
+            return Err(format!("incident is {:?}; expected a unit vector", self.incident));
+        }
+        if let Some(k) = self.exitant.iter().position(|d| !is_unit(d)) {
+            return Err(format!("exitant[{k}] is {:?}; expected a unit vector", self.exitant[k]));
+        }
+        let n = n_channels * self.exitant.len();
+        if self.values.len() != n {
+            return Err(format!(
+                "{} values; expected {n}, for {} directions",
+                self.values.len(),
+                self.exitant.len()
+            ));
+        }
+        if !self.errors.is_empty() && self.errors.len() != n {
+            return Err(format!("{} errors; expected {n}, or none", self.errors.len()));
+        }
+        if let Some(k) = self.values.iter().position(|value| !value.is_finite()) {
+            return Err(format!(
+                "value {} of exitant[{}] is {}; expected a finite number",
+                k % n_channels,
+                k / n_channels,
+                self.values[k]
+            ));
+        }
+        if let Some(k) = self.errors.iter().position(|error| !(error.is_finite() && *error >= 0.0)) {
+            return Err(format!(
+                "error {} of exitant[{}] is {}; expected 0 or more",
+                k % n_channels,
+                k / n_channels,
+                self.errors[k]
+            ));
+        }
+        Ok(())
     }
 }

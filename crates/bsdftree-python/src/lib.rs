@@ -10,6 +10,7 @@ mod from_function;
 mod generate;
 mod layout;
 mod matrices;
+mod measurement;
 mod peaks;
 mod reduce;
 
@@ -28,6 +29,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<component::Tree>()?;
     module.add_class::<component::Matrix>()?;
     module.add_class::<layout::Layout>()?;
+    module.add_class::<measurement::Measurement>()?;
     module.add_class::<device::Device>()?;
     module.add_class::<generate::Generation>()?;
     let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(bsdftree::color::xyz_from_rgb);

@@ -1,1 +1,235 @@
-//! Files of measurements.
+//! Files of measurements, one file of code per format.
+//!
+//! In: paths; out: one [`Measurement`]. What a file is, is seen from its content. Common to all formats and done here: scans of one
+//! incident direction become one, points on the horizon, where a BSDF has no side, are left out, and a sample that was measured from
+//! the outside is turned about +Y, so that up stays up.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use bsdftree::direction::Side;
+
+use crate::measurement::{Measurement, Scan};
+
+mod error;
+mod text;
+mod pab_opto;
+
+pub use error::{Fault, Place, ReadError};
+
+/// Largest file that is read \[byte\]: 2 GiB.
+const MAX_BYTES: u64 = 1 << 31;
+/// Incident directions nearer than this are one: squared chord of 0.005°.
+const SAME_DIRECTION: f64 = 7.6e-9;
+/// Points whose |cos θ| is smaller lie on the horizon.
+const HORIZON: f64 = 1e-6;
+
+/// A format of files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// pab-opto's "theta phi value" text, one incident direction a file.
+    PabOpto,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Format; 1] = [Format::PabOpto];
+
+    /// The name by which people choose it: `pab-opto`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::PabOpto => "pab-opto",
+        }
+    }
+
+    /// What a file begins with decides.
+    fn of(bytes: &[u8]) -> Option<Format> {
+        const ENOUGH: usize = 1 << 16;
+        let text = text::decoded(&bytes[..bytes.len().min(ENOUGH)]);
+        pab_opto::recognizes(&text).then_some(Format::PabOpto)
+    }
+}
+
+/// How to read.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The format; seen from the content if `None`.
+    pub format: Option<Format>,
+    /// The side of the device that was the sample's front when it was measured.
+    pub side: Side,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options { format: None, side: Side::Front }
+    }
+}
+
+/// A file in memory.
+struct Input<'a> {
+    path: &'a Path,
+    bytes: Vec<u8>,
+}
+
+/// Reads the files of one sample.
+///
+/// # Errors
+/// If one cannot be read, is none that is known, differs in format or colour from the others, or has no values; or if there is none.
+pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, ReadError> {
+    if paths.is_empty() {
+        return Err(ReadError::file("no files", "one or more"));
+    }
+    let mut inputs = Vec::new();
+    let mut format = options.format;
+    for path in paths {
+        let bytes = read_bytes(path).map_err(|error| error.in_file(path))?;
+        let found = options.format.or_else(|| Format::of(&bytes)).ok_or_else(|| {
+            let names = Format::ALL.map(Format::name).join(", ");
+            ReadError::file("no format that is known", format!("one of {names}; the format may be given"))
+                .in_file(path)
+        })?;
+        match *format.get_or_insert(found) {
+            format if format == found => {}
+            format => {
+                let expected = format!("{}, as {}", format.name(), paths[0].display());
+                return Err(ReadError::file(found.name(), expected).in_file(path));
+            }
+        }
+        inputs.push(Input { path, bytes });
+    }
+    let measurement = match format.expect("there is a file") {
+        Format::PabOpto => each(&inputs, pab_opto::read)?,
+    };
+    finished(measurement, options.side).map_err(|error| match paths {
+        [path] => error.in_file(path),
+        _ => error,
+    })
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > MAX_BYTES {
+        true => Err(ReadError::file("more than 2 GiB", "files of measurements, which are smaller")),
+        false => Ok(bytes),
+    }
+}
+
+/// All files read on their own and put together.
+fn each(
+    inputs: &[Input<'_>],
+    read: impl Fn(&[u8]) -> Result<Measurement, ReadError>,
+) -> Result<Measurement, ReadError> {
+    let mut all = Measurement::default();
+    for Input { path, bytes } in inputs {
+        let mut one = read(bytes).map_err(|error| error.in_file(path))?;
+        for scan in &mut one.scans {
+            let file = path.display();
+            scan.source =
+                if scan.source.is_empty() { file.to_string() } else { format!("{file}: {}", scan.source) };
+        }
+        append(&mut all, one).map_err(|error| error.in_file(path))?;
+    }
+    Ok(all)
+}
+
+/// Adds the scans of another file of the sample. What the first file says of the sample stands.
+fn append(all: &mut Measurement, one: Measurement) -> Result<(), ReadError> {
+    if all.n_channels != 0 && all.n_channels != one.n_channels {
+        let values = |n| if n == 3 { "three values (X, Y, Z) a point" } else { "one value a point" };
+        return Err(ReadError::file(
+            values(one.n_channels),
+            format!("{}, as in the files before", values(all.n_channels)),
+        ));
+    }
+    all.n_channels = one.n_channels;
+    all.scans.extend(one.scans);
+    if let (Some(a), Some(b)) = (&all.name, &one.name)
+        && a != b
+    {
+        all.notes.push(format!("files name the sample {a:?} and {b:?}; the first name is kept"));
+    }
+    all.name = all.name.take().or(one.name);
+    all.manufacturer = all.manufacturer.take().or(one.manufacturer);
+    all.symmetry = all.symmetry.or(one.symmetry);
+    all.wavelength_nm = all.wavelength_nm.or(one.wavelength_nm);
+    for note in one.notes {
+        if !all.notes.contains(&note) {
+            all.notes.push(note);
+        }
+    }
+    Ok(())
+}
+
+/// What is done whatever the format.
+fn finished(mut measurement: Measurement, side: Side) -> Result<Measurement, ReadError> {
+    let n_left_out = leave_out_horizon(&mut measurement)?;
+    if n_left_out > 0 {
+        measurement
+            .notes
+            .push(format!("{n_left_out} points on the horizon are left out: no light leaves there"));
+    }
+    join_scans(&mut measurement);
+    if let Some(empty) = measurement.scans.iter().find(|scan| scan.exitant.is_empty()) {
+        return Err(ReadError::file(
+            format!("no values in {}", empty.source),
+            "values at exitant directions",
+        ));
+    }
+    if measurement.scans.is_empty() {
+        return Err(ReadError::file("no values", "values at exitant directions"));
+    }
+    if side == Side::Back {
+        measurement.turn_front_to_back();
+    }
+    Ok(measurement)
+}
+
+fn leave_out_horizon(measurement: &mut Measurement) -> Result<usize, ReadError> {
+    let n = measurement.n_channels;
+    let mut n_left_out = 0;
+    for scan in &mut measurement.scans {
+        if scan.incident[2].abs() < HORIZON {
+            let found = format!("light that comes along the surface in {}", scan.source);
+            return Err(ReadError::file(found, "an incident polar angle other than 90°"));
+        }
+        if scan.exitant.iter().all(|o| o[2].abs() >= HORIZON) {
+            continue;
+        }
+        let kept: Vec<usize> =
+            (0..scan.exitant.len()).filter(|&k| scan.exitant[k][2].abs() >= HORIZON).collect();
+        n_left_out += scan.exitant.len() - kept.len();
+        let of_kept = |values: &[f64]| -> Vec<f64> {
+            kept.iter().flat_map(|&k| values.get(n * k..n * (k + 1)).unwrap_or(&[])).copied().collect()
+        };
+        (scan.values, scan.errors) = (of_kept(&scan.values), of_kept(&scan.errors));
+        scan.exitant = kept.iter().map(|&k| scan.exitant[k]).collect();
+    }
+    Ok(n_left_out)
+}
+
+/// Makes scans of one incident direction one. Errors that only some of them have are dropped.
+fn join_scans(measurement: &mut Measurement) {
+    let mut joined: Vec<Scan> = Vec::new();
+    for scan in measurement.scans.drain(..) {
+        let squared_chord =
+            |a: &Scan| (0..3).map(|k| (a.incident[k] - scan.incident[k]).powi(2)).sum::<f64>();
+        match joined.iter_mut().find(|other| squared_chord(other) < SAME_DIRECTION) {
+            Some(other) => {
+                let have_errors = [&*other, &scan].iter().all(|s| s.errors.len() == s.values.len());
+                other.errors.extend(scan.errors);
+                if !have_errors {
+                    other.errors.clear();
+                }
+                other.exitant.extend(scan.exitant);
+                other.values.extend(scan.values);
+                if other.source != scan.source {
+                    other.source = format!("{} + {}", other.source, scan.source);
+                }
+            }
+            None => joined.push(scan),
+        }
+    }
+    measurement.scans = joined;
+}

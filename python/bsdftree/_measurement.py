@@ -1,0 +1,242 @@
+"""Measured BSDFs: scattered values, as goniophotometers give them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bsdftree import _core
+from bsdftree._whole_file import write_whole
+
+Array = NDArray[np.float64]
+Symmetry = Literal["anisotropic", "bilateral_x", "bilateral_y", "quadrilateral", "isotropic"]
+Side = Literal["front", "back"]
+Path_ = str | os.PathLike[str]
+
+
+class Scan(NamedTuple):
+    """Values for one incident direction.
+
+    Directions are unit vectors away from the surface, +Z the front (the room). Exitant directions may lie on both
+    sides.
+    """
+
+    incident: Array
+    """Where the light came from, (3,)."""
+    exitant: Array
+    """Where it was measured, (n, 3)."""
+    values: Array
+    """BSDF [1/sr] without a cosine, (n,), or (n, 3) for X, Y and Z. Noise may make values negative."""
+    errors: Array | None
+    """Standard errors of the values [1/sr], of the same shape, if they are known."""
+    source: str
+    """Where it is from: file, and block or sheet if the file has several."""
+
+
+class Measurement:
+    """All that was measured of one sample.
+
+    Parameters
+    ----------
+    scans
+        For each incident direction a tuple (incident, exitant, values) or (incident, exitant, values, errors), or a
+        :class:`Scan`. Shapes as there; vectors need not be of unit length.
+    name, manufacturer
+        Of the sample.
+    symmetry
+        What turns and mirrors the sample looks the same after, if it is known: ``bilateral_x`` is a mirror at the
+        plane y = 0, ``bilateral_y`` at x = 0, ``quadrilateral`` both.
+    wavelength_nm
+        Wavelength of the source [nm], if there is one.
+    notes
+        What was assumed, repaired or left out, a sentence each.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit, a value is not finite, a vector has no direction, or only some scans have colour.
+
+    Examples
+    --------
+    >>> from bsdftree import direction_from_polar
+    >>> exitant = direction_from_polar([0, 30, 60], 0)
+    >>> white = Measurement([([0, 0.6, 0.8], exitant, [0.25, 0.25, 0.25])], name="white")
+    >>> white.parts
+    ['reflection_back']
+    >>> white.scans[0].exitant.shape
+    (3, 3)
+    """
+
+    def __init__(
+        self,
+        scans: Iterable[Scan | Sequence[ArrayLike | None]],
+        *,
+        name: str | None = None,
+        manufacturer: str | None = None,
+        symmetry: Symmetry | None = None,
+        wavelength_nm: float | None = None,
+        notes: Sequence[str] = (),
+    ) -> None:
+        rows = [_scan_arrays(k, scan) for k, scan in enumerate(scans)]
+        if not rows:
+            raise ValueError("no scans; expected one or more")
+        channels = {row[2].shape[1] for row in rows}
+        if len(channels) > 1:
+            raise ValueError("some scans have one value for each direction and some three; expected the same of all")
+        self._core = _core.Measurement.of_arrays(
+            rows,
+            n_channels=channels.pop(),
+            name=name,
+            manufacturer=manufacturer,
+            symmetry=symmetry,
+            wavelength_nm=wavelength_nm,
+            notes=list(notes),
+        )
+
+    @classmethod
+    def load(cls, paths: Path_ | Iterable[Path_], *, side: Side = "front", format: str | None = None) -> Measurement:
+        """Read the files of one sample.
+
+        Parameters
+        ----------
+        paths
+            One or more files of one format. What they are, is seen from their content.
+        side
+            The side of the device that was the sample's front when it was measured: ``front`` is the room. With
+            ``back`` the sample is turned about the vertical, so that up stays up.
+        format
+            ``pab-opto``, if the content does not tell.
+
+        Returns
+        -------
+        Measurement
+            Scans of the same incident direction are one. ``notes`` says what was assumed.
+
+        Raises
+        ------
+        ValueError
+            If a file is not as it must be, with the line, cell or byte.
+        OSError
+            If a file cannot be read.
+        """
+        names = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
+        return cls._of(_core.Measurement.read([os.fspath(name) for name in names], format=format, side=side))
+
+    @classmethod
+    def _of(cls, core: _core.Measurement) -> Measurement:
+        made = cls.__new__(cls)
+        made._core = core
+        return made
+
+    @cached_property
+    def scans(self) -> list[Scan]:
+        """Values by incident direction."""
+        grey = self.n_channels == 1
+        return [
+            Scan(
+                incident,
+                exitant,
+                values[:, 0] if grey else values,
+                errors if errors is None or not grey else errors[:, 0],
+                source,
+            )
+            for incident, exitant, values, errors, source in self._core.scans
+        ]
+
+    @property
+    def n_channels(self) -> int:
+        """Numbers for each pair of directions: 1, or 3 for CIE X, Y and Z."""
+        return self._core.n_channels
+
+    @property
+    def name(self) -> str | None:
+        """What the sample is called."""
+        return self._core.name
+
+    @property
+    def manufacturer(self) -> str | None:
+        """Who made it."""
+        return self._core.manufacturer
+
+    @property
+    def symmetry(self) -> Symmetry | None:
+        """The symmetry that the file states."""
+        return self._core.symmetry  # type: ignore[return-value]
+
+    @property
+    def wavelength_nm(self) -> float | None:
+        """Wavelength of the source [nm]."""
+        return self._core.wavelength_nm
+
+    @property
+    def notes(self) -> list[str]:
+        """What was assumed, repaired or left out in reading, a sentence each."""
+        return self._core.notes
+
+    @property
+    def parts(self) -> list[str]:
+        """The components that there are values of, as ``reflection_front``; front is the outside here, as in WINDOW."""
+        return self._core.parts
+
+    def save(self, directory: Path_) -> list[Path]:
+        """Write pab-opto's text, which Radiance's pabopto2bsdf takes: one file for each part of each scan.
+
+        Parameters
+        ----------
+        directory
+            Made if it is not there. Files of the same names are replaced.
+
+        Returns
+        -------
+        list of Path
+            What was written. Errors and notes have no place in the format.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        folder = Path(directory)
+        folder.mkdir(parents=True, exist_ok=True)
+        written = []
+        for name, text in self._core.to_pab_opto():
+            write_whole(folder / name, text.encode())
+            written.append(folder / name)
+        return written
+
+    def __repr__(self) -> str:
+        n_points = sum(len(scan.exitant) for scan in self.scans)
+        name = f"{self.name!r}, " if self.name else ""
+        what = "XYZ" if self.n_channels == 3 else "grey"
+        return f"Measurement({name}{len(self.scans)} scans, {n_points} points, {what}, {', '.join(self.parts)})"
+
+
+def _scan_arrays(k: int, scan: Scan | Sequence[ArrayLike | None]) -> tuple[Array, Array, Array, Array | None, str]:
+    """A scan as the core takes it: values and errors are tables."""
+    if not 3 <= len(scan) <= 5:
+        raise ValueError(f"scan {k} has {len(scan)} parts; expected incident, exitant, values and perhaps errors")
+    incident, exitant = (np.ascontiguousarray(a, float) for a in scan[:2])
+    if incident.shape != (3,):
+        raise ValueError(f"scan {k}: incident has shape {incident.shape}; expected (3,)")
+    if exitant.ndim != 2 or exitant.shape[1] != 3:
+        raise ValueError(f"scan {k}: exitant has shape {exitant.shape}; expected (n, 3)")
+    if not len(exitant):
+        raise ValueError(f"scan {k} has no exitant directions; expected one or more")
+    values = np.ascontiguousarray(scan[2], float)
+    if values.shape not in ((len(exitant),), (len(exitant), 3)):
+        n = len(exitant)
+        raise ValueError(f"scan {k}: values have shape {values.shape}; expected ({n},), or ({n}, 3) for X, Y and Z")
+    errors = None
+    if len(scan) > 3 and scan[3] is not None:
+        errors = np.ascontiguousarray(scan[3], float)
+        if errors.shape != values.shape:
+            raise ValueError(f"scan {k}: errors have shape {errors.shape}; expected {values.shape}, as values")
+        errors = errors.reshape(len(exitant), -1)
+    source = scan[4] if len(scan) > 4 else ""
+    return incident, exitant, values.reshape(len(exitant), -1), errors, str(source)

@@ -1,0 +1,149 @@
+"""Measurements: files read as Radiance reads them, arrays, files written."""
+
+import numpy as np
+import pytest
+import radiance
+
+import bsdftree
+from bsdftree import Measurement, direction_from_polar, polar_from_direction
+
+
+def hemisphere(side, n=24):
+    """Directions spread evenly on one side, (n², 3)."""
+    u, v = ((np.arange(n * n) // n) + 0.5) / n, ((np.arange(n * n) % n) + 0.5) / n
+    return direction_from_polar(np.degrees(np.arccos(side * u)), 360 * v)
+
+
+def lobe(exitant, towards, sharpness=60.0):
+    """A lobe about a direction, on a low floor [1/sr]."""
+    return 0.01 + 2.0 * np.exp(sharpness * (exitant @ np.asarray(towards) - 1.0))
+
+
+def write_pab_opto(folder, scans, header="", dsf=False):
+    """Files by hand: angles of the file, values of a function of the file's own directions."""
+    paths = []
+    for k, (theta, phi, exitant, values) in enumerate(scans):
+        angles = polar_from_direction(exitant)
+        scale = np.abs(exitant[:, 2]) if dsf else 1.0
+        rows = "\n".join(f"{t:.6f} {p:.6f} {v:.8g}" for (t, p), v in zip(angles, values * scale, strict=True))
+        kind = "DSF" if dsf else "BSDF"
+        path = folder / f"scan{k}.txt"
+        path.write_text(
+            f'#sample_name "lobes"\n{header}#format: theta phi {kind}\n#incident_angle {theta} {phi}\n{rows}\n'
+        )
+        paths.append(path)
+    return paths
+
+
+def off_axis_scans(incident_side, exitant_side):
+    """One lobe that no turn and no mirror leaves where it is, brighter from some azimuths than from others."""
+    exitant = hemisphere(exitant_side)
+    towards = direction_from_polar(90 - 50 * exitant_side, 20)
+    files = [(theta, phi) for theta in (15, 35, 55) for phi in range(15, 360, 45)]
+    return [
+        (theta if incident_side > 0 else 180 - theta, phi, exitant, 0.5 ** (phi // 90) * lobe(exitant, towards))
+        for theta, phi in files
+    ]
+
+
+def middle(exitant, values):
+    """Where most of it goes."""
+    towards = (exitant * np.square(values)[:, None]).sum(0)
+    return towards / np.linalg.norm(towards)
+
+
+@radiance.needs_radiance
+@pytest.mark.parametrize(
+    ("incident_side", "exitant_side", "up", "back", "dsf"),
+    [(1, 1, 25, False, True), (1, -1, 0, True, False), (-1, -1, 0, False, False)],
+)
+def test_lobes_lie_where_pabopto2bsdf_puts_them(tmp_path, incident_side, exitant_side, up, back, dsf):
+    paths = write_pab_opto(tmp_path, off_axis_scans(incident_side, exitant_side), f"#upphi {up}\n" if up else "", dsf)
+    options = ["-t"] if back else []
+    (tmp_path / "lobes.sir").write_bytes(radiance.run("pabopto2bsdf", *options, *paths))
+    (tmp_path / "lobes.xml").write_bytes(radiance.run("bsdf2klems", "-q", "-n", 16, tmp_path / "lobes.sir"))
+    theirs = bsdftree.load(tmp_path / "lobes.xml")
+    ours = Measurement.load(paths, side="back" if back else "front")
+    assert ours.name == "lobes"
+    part = "reflection" if incident_side == exitant_side else "transmission"
+    # WINDOW's back is the room, where +Z and Radiance's front are.
+    side = "back" if (incident_side > 0) != back else "front"
+    assert ours.parts == [f"{part}_{side}"] == list(theirs.components)
+    fine = hemisphere(np.sign(ours.scans[0].exitant[0, 2]), 80)
+    # Radiance's mesh of incident directions is whole around those of the middle ring.
+    ring = [scan for scan in ours.scans if 0.8 < abs(scan.incident[2]) < 0.85]
+    ring.sort(key=lambda scan: polar_from_direction(scan.incident)[1])
+    logs = []
+    for scan in ring:
+        values = theirs.eval(scan.incident, fine)
+        logs.append(np.log([scan.values.mean(), values.mean()]))
+        # Patches are some 20° wide; a lobe turned or mirrored would be 25° away and more.
+        cosine = middle(scan.exitant, scan.values) @ middle(fine, values)
+        assert np.degrees(np.arccos(cosine)) < 8.0, (scan.incident, scan.source)
+    # Of all ways to turn or mirror the ring, no other than ours gives the brightness of the lobe.
+    a, b = np.array(logs).T
+    misfits = {(turn, mirror): np.std(np.roll(b[::mirror], turn) - a) for turn in range(8) for mirror in (1, -1)}
+    assert min(misfits, key=misfits.__getitem__) == (0, 1), misfits
+
+
+def test_files_of_one_incident_direction_are_one_scan(tmp_path):
+    towards = [0.0, 0.6, 0.8]
+    scans = [(30, 90, side_directions, lobe(side_directions, towards)) for side_directions in map(hemisphere, (1, -1))]
+    measured = Measurement.load(write_pab_opto(tmp_path, scans, "#upphi 90\n"))
+    (scan,) = measured.scans
+    assert scan.exitant.shape == (2 * 24**2, 3) and scan.values.shape == (2 * 24**2,)
+    assert measured.parts == ["reflection_back", "transmission_back"]
+    np.testing.assert_allclose(scan.incident, direction_from_polar(30, 90), atol=1e-12)
+
+
+@pytest.mark.parametrize("n_channels", [1, 3])
+def test_saved_measurement_is_read_again(tmp_path, rng, n_channels):
+    scans = []
+    for incident in direction_from_polar([10, 130, 50], [5, 355, 180]):
+        exitant = np.concatenate([hemisphere(1, 6), hemisphere(-1, 6)])
+        values = rng.normal(0.2, 0.2, (72, 3))[:, :n_channels].squeeze()
+        scans.append((incident, exitant, values))
+    made = Measurement(scans, name="a sample")
+    paths = made.save(tmp_path / "out")
+    assert len(paths) == 6
+    read = Measurement.load(paths)
+    assert (read.n_channels, read.name) == (n_channels, "a sample")
+    for a, b in zip(read.scans, made.scans, strict=True):
+        order = [np.argmax(a.exitant @ e) for e in b.exitant]
+        np.testing.assert_allclose(a.exitant[order], b.exitant, atol=1e-14)
+        np.testing.assert_array_equal(a.values[order], b.values)
+
+
+def test_arrays_that_do_not_fit_are_refused():
+    up, many = [0, 0, 1], hemisphere(1, 2)
+    for scan, said in [
+        ((up, many, np.ones(3)), r"values have shape \(3,\); expected \(4,\)"),
+        ((up, many[:, :2], np.ones(4)), r"exitant has shape \(4, 2\)"),
+        (([0, 0], many, np.ones(4)), r"incident has shape \(2,\)"),
+        (([0, 0, 0], many, np.ones(4)), "no direction"),
+        ((up, many, [1, 2, np.nan, 4]), r"exitant\[2\] is NaN"),
+        ((up, many, np.ones(4), -np.ones(4)), r"error 0 of exitant\[0\] is -1"),
+        ((up, many, np.ones(4), np.ones((4, 3))), "errors have shape"),
+        ((up, many[:0], []), "no exitant"),
+        ((up, many), "has 2 parts"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            Measurement([scan])
+    with pytest.raises(ValueError, match="some scans"):
+        Measurement([(up, many, np.ones(4)), (up, many, np.ones((4, 3)))])
+
+
+def test_files_that_are_none_are_refused(tmp_path):
+    path = tmp_path / "x.txt"
+    path.write_text("hello\n")
+    with pytest.raises(ValueError, match=r"x\.txt: found no format"):
+        Measurement.load(path)
+    path.write_text("#format: theta phi BSDF\n#incident_angle 20 0\n10 0 0.1\n10 0\n")
+    with pytest.raises(ValueError, match=r'x\.txt: line 4: found "10 0"; expected theta, phi and a value'):
+        Measurement.load([path])
+    with pytest.raises(FileNotFoundError):
+        Measurement.load(tmp_path / "none.txt")
+    with pytest.raises(ValueError, match='format "x"; expected one of "pab-opto"'):
+        Measurement.load(path, format="x")
+    with pytest.raises(ValueError, match="no files"):
+        Measurement.load([])
