@@ -59,6 +59,18 @@ def test_runs_are_the_same_every_time_and_as_noisy_as_they_say():
         assert scan.exitant_deg[:, 0].max() <= gonio.HIGHEST + 1e-3
 
 
+@pytest.mark.parametrize("name", ["mixed-iso", "sharp-iso"])
+def test_files_of_a_run_are_read_as_what_was_written(name, tmp_path):
+    scans = gonio.measure(truths.find([name])[0], points=300)
+    read = bsdftree.Measurement.load(gonio.write(scans, tmp_path, name))
+    assert read.name == name
+    assert len(read.scans) == len(scans)
+    for ours, theirs in zip(scans, read.scans, strict=True):
+        np.testing.assert_allclose(theirs.incident, ours.incident, atol=1e-6)
+        np.testing.assert_allclose(theirs.exitant, ours.exitant, atol=1e-6)
+        np.testing.assert_array_equal(theirs.values, ours.values)
+
+
 def test_judge_finds_what_was_done_to_the_truth():
     material = truths.find(["ggx-iso"])[0]
     court = judge.court(material, 4)

@@ -18,6 +18,9 @@ from . import incumbent
 from .formulas import Array, Function
 from .gonio import Scan
 
+TOLERANCE = 0.0
+"""Of our trees, which are compared with trees that are not culled."""
+
 
 @dataclass(frozen=True)
 class Contender:
@@ -54,7 +57,7 @@ def of_tree(name: str, bsdf: bsdftree.Bsdf, log2_res: int, seconds: float, error
     return Contender(name, bsdf.eval, error, log2_res, seconds)
 
 
-def tree(scans: list[Scan], rank: int, log2_res: int, tolerance: float = 0.0, **options: Any) -> Contender:
+def tree(scans: list[Scan], rank: int, log2_res: int, tolerance: float = TOLERANCE, **options: Any) -> Contender:
     """Our fit as a tree; time of fitting and resampling."""
     pointwise, fitted = model(scans, **options)
     start = time.process_time()

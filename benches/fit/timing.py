@@ -30,9 +30,7 @@ def table() -> str:
         ours = run([sys.executable, "-m", "benches.fit.timing", log2_res, material.rank, *files])
         kept = incumbent.tree(files, THEIRS[name], folder)
         theirs = kept.interpolant + kept.resampling
-        rows.append(
-            f"| {what} | 2^{log2_res} | {_shown(ours)} | {allowed:g} | 2^{THEIRS[name]} | {_shown(theirs)} |"
-        )
+        rows.append(f"| {what} | 2^{log2_res} | {_shown(ours)} | {allowed:g} | 2^{THEIRS[name]} | {_shown(theirs)} |")
     return "\n".join(rows) + f"\n\nload {os.getloadavg()[0]:.1f} on {os.cpu_count()} threads"
 
 
