@@ -147,3 +147,41 @@ def test_files_that_are_none_are_refused(tmp_path):
         Measurement.load(path, format="x")
     with pytest.raises(ValueError, match="no files"):
         Measurement.load([])
+
+
+COATINGS = ["AnoBlackEC1onAlum", "AnoBlackEC2onAlum", "AnoBlackNiTEonINVAR", "AnoBlackNiTEonSteel"]
+
+
+def about(scan, exitant, width_deg=3.0):
+    """Means of a scan and its mirror image around directions, NaN where there is none near."""
+    known = np.concatenate([scan.exitant, scan.exitant * [1, -1, 1]])
+    angle = np.degrees(np.arccos(np.clip(exitant @ known.T, -1, 1)))
+    weight = np.exp(-0.5 * (angle / width_deg) ** 2)
+    means = weight @ np.tile(scan.values, 2) / weight.sum(1)
+    return np.where(angle.min(1) < width_deg, means, np.nan)
+
+
+@pytest.mark.parametrize("name", COATINGS)
+def test_twins_of_zemax_and_fred_agree(data, name):
+    zemax = Measurement.load(data / f"ua-loft/processed/zemax/{name}.bsdf")
+    assert (zemax.symmetry, zemax.wavelength_nm, zemax.parts) == ("isotropic", 650.0, ["reflection_back"])
+    assert zemax.name.startswith("Anoplate AnoBlack")
+    for path in (f"{name}.txt", f"{name}_fullAz.txt"):
+        fred = Measurement.load(data / "ua-loft/processed/fred" / path)
+        assert len(zemax.scans) == len(fred.scans) == 4
+        for a, b in zip(zemax.scans, fred.scans, strict=True):
+            np.testing.assert_allclose(a.incident, b.incident, atol=1e-12)
+            # Their makers interpolated one and not the other, and shifted peaks by a degree or two.
+            log_ratio = np.log(a.values / about(b, a.exitant))
+            assert np.nanmedian(np.abs(log_ratio)) < 0.12
+            if a.incident[2] < 0.7:
+                turned = np.log(a.values / about(b, a.exitant * [-1, 1, 1]))
+                assert np.nanmedian(np.abs(turned)) > 0.4
+
+
+def test_reads_an_anisotropic_file_of_zemax(data):
+    array = Measurement.load(data / "ua-loft/processed/zemax/IMX455.bsdf")
+    assert (array.symmetry, len(array.scans)) == ("anisotropic", 144)
+    assert array.notes[0].startswith("6732 zeros")
+    theta, phi = polar_from_direction([scan.incident for scan in array.scans]).T
+    assert set(theta.round(6)) == {10, 30, 50, 70} and len(set(phi.round(6))) == 36

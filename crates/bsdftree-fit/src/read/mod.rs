@@ -4,6 +4,7 @@
 //! incident direction become one, points on the horizon, where a BSDF has no side, are left out, and a sample that was measured from
 //! the outside is turned about +Y, so that up stays up.
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -15,6 +16,8 @@ use crate::measurement::{Measurement, Scan};
 mod error;
 mod text;
 mod pab_opto;
+mod zemax;
+mod fred;
 
 pub use error::{Fault, Place, ReadError};
 
@@ -22,6 +25,8 @@ pub use error::{Fault, Place, ReadError};
 const MAX_BYTES: u64 = 1 << 31;
 /// Incident directions nearer than this are one: squared chord of 0.005°.
 const SAME_DIRECTION: f64 = 7.6e-9;
+/// Cells to a unit, of which directions that are one lie in neighbouring ones.
+const CELLS: f64 = 5e3;
 /// Points whose |cos θ| is smaller lie on the horizon.
 const HORIZON: f64 = 1e-6;
 
@@ -30,16 +35,22 @@ const HORIZON: f64 = 1e-6;
 pub enum Format {
     /// pab-opto's "theta phi value" text, one incident direction a file.
     PabOpto,
+    /// Zemax's tabular BSDF.
+    Zemax,
+    /// FRED's tabulated BSDF.
+    Fred,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 1] = [Format::PabOpto];
+    pub const ALL: [Format; 3] = [Format::PabOpto, Format::Zemax, Format::Fred];
 
     /// The name by which people choose it: `pab-opto`.
     pub fn name(self) -> &'static str {
         match self {
             Format::PabOpto => "pab-opto",
+            Format::Zemax => "zemax",
+            Format::Fred => "fred",
         }
     }
 
@@ -47,7 +58,11 @@ impl Format {
     fn of(bytes: &[u8]) -> Option<Format> {
         const ENOUGH: usize = 1 << 16;
         let text = text::decoded(&bytes[..bytes.len().min(ENOUGH)]);
-        pab_opto::recognizes(&text).then_some(Format::PabOpto)
+        Format::ALL.into_iter().find(|format| match format {
+            Format::PabOpto => pab_opto::recognizes(&text),
+            Format::Zemax => zemax::recognizes(&text),
+            Format::Fred => fred::recognizes(&text),
+        })
     }
 }
 
@@ -100,6 +115,8 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
     }
     let measurement = match format.expect("there is a file") {
         Format::PabOpto => each(&inputs, pab_opto::read)?,
+        Format::Zemax => each(&inputs, zemax::read)?,
+        Format::Fred => each(&inputs, fred::read)?,
     };
     finished(measurement, options.side).map_err(|error| match paths {
         [path] => error.in_file(path),
@@ -212,24 +229,36 @@ fn leave_out_horizon(measurement: &mut Measurement) -> Result<usize, ReadError> 
 /// Makes scans of one incident direction one. Errors that only some of them have are dropped.
 fn join_scans(measurement: &mut Measurement) {
     let mut joined: Vec<Scan> = Vec::new();
+    let mut by_cell: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
     for scan in measurement.scans.drain(..) {
-        let squared_chord =
-            |a: &Scan| (0..3).map(|k| (a.incident[k] - scan.incident[k]).powi(2)).sum::<f64>();
-        match joined.iter_mut().find(|other| squared_chord(other) < SAME_DIRECTION) {
-            Some(other) => {
-                let have_errors = [&*other, &scan].iter().all(|s| s.errors.len() == s.values.len());
-                other.errors.extend(scan.errors);
-                if !have_errors {
-                    other.errors.clear();
-                }
-                other.exitant.extend(scan.exitant);
-                other.values.extend(scan.values);
-                if other.source != scan.source {
-                    other.source = format!("{} + {}", other.source, scan.source);
-                }
+        let is_same = |other: &Scan| {
+            (0..3).map(|k| (other.incident[k] - scan.incident[k]).powi(2)).sum::<f64>() < SAME_DIRECTION
+        };
+        let cell = scan.incident.map(|c| (c * CELLS).round() as i64);
+        let around = (0..27).filter_map(|k| {
+            by_cell.get(&[cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1])
+        });
+        match around.flatten().copied().find(|&k| is_same(&joined[k])) {
+            Some(k) => join(&mut joined[k], scan),
+            None => {
+                by_cell.entry(cell).or_default().push(joined.len());
+                joined.push(scan);
             }
-            None => joined.push(scan),
         }
     }
     measurement.scans = joined;
+}
+
+fn join(one: &mut Scan, other: Scan) {
+    let have_errors = [&*one, &other].iter().all(|scan| scan.errors.len() == scan.values.len());
+    one.errors.extend(other.errors);
+    if !have_errors {
+        one.errors.clear();
+    }
+    one.exitant.extend(other.exitant);
+    one.values.extend(other.values);
+    // What many files say may be long.
+    if one.source != other.source && one.source.len() < 1000 {
+        one.source = format!("{} + {}", one.source, other.source);
+    }
 }
