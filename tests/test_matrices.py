@@ -103,9 +103,9 @@ def test_real_grid_is_read(data, tmp_path):
 @pytest.mark.parametrize(
     ("content", "raw", "said"),
     [
-        (b"1 2 x", "ascii", "could not convert string to float"),
+        (b"1 2 x", "ascii", "value 2 is 'x'; expected a number"),
         (b"1 2 3", "ascii", "3 values; expected (2^N)^4"),
-        (b"12345", "float", "buffer size must be a multiple"),
+        (b"12345", "float", "5 bytes of values; expected a multiple of 4"),
         (b"#?RADIANCE\n", "float", "without an empty line"),
     ],
 )

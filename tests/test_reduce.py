@@ -54,9 +54,26 @@ def test_sizes_are_kept(data):
     small = b.reduce(n_leaves=3000)
     n = sum(c.n_leaves for c in small.components.values())
     assert 2000 < n <= 3000
-    assert len(b.reduce(n_bytes=60_000).to_xml().encode()) <= 60_000
+    with pytest.raises(ValueError, match="leaves are the least"):
+        b.reduce(n_leaves=1, total=0.001)
+
+
+@pytest.mark.parametrize(("file", "n_bytes"), [("xml", 60_000), ("bsdft", 60_000), ("packed", 1800)])
+def test_files_are_as_large_as_is_wanted(data, tmp_path, file, n_bytes):
+    b = bsdftree.load(data / "pyradiance/t3.xml")
+    small, path = b.reduce(n_bytes=n_bytes, file=file), tmp_path / ("b.xml" if file == "xml" else "b.bsdft")
+    small.save(path, packed=file == "packed")
+    assert 0.9 * n_bytes < path.stat().st_size <= n_bytes
     with pytest.raises(ValueError, match="bytes are the least"):
-        b.reduce(n_bytes=10)
+        b.reduce(n_bytes=10, file=file)
+    with pytest.raises(ValueError, match='expected "xml", "bsdft" or "packed"'):
+        b.reduce(n_bytes=n_bytes, file="zip")
+
+
+def test_what_is_small_enough_stays_as_it_is(data):
+    b = bsdftree.load(data / "pyradiance/t3.xml")
+    whole = b.reduce(n_bytes=10**9)
+    assert all(loss.l1 <= 1e-9 for *_, loss in b.losses_of(whole))
 
 
 @needs_radiance
@@ -73,6 +90,77 @@ def test_no_norm_is_worse_than_by_radiances_reducer(cull_percent, rng):
     # Its reducer counts values that text rounds.
     assert whole.loss_of(by_l1).l1 <= lost.l1 + 1e-5
     assert whole.loss_of(by_rms).rms <= lost.rms + 1e-5
+
+
+@needs_radiance
+def test_culled_trees_are_what_radiances_reducer_makes(data, rng):
+    values = (rng.random((8, 8, 8, 8)) ** 4).astype(np.float32)
+    whole, culled = Tree.from_grid(values), Tree.from_grid(values, cull_percent=80)
+    theirs = Tree(radiance_reduced(values.reshape(-1), 4, 3, 80, average=False))
+    assert culled.n_leaves == theirs.n_leaves < whole.n_leaves
+    for a, b in zip(culled.leaves(), whole.reduce(cull_percent=80).leaves(), strict=True):
+        np.testing.assert_array_equal(a, b)
+    b = bsdftree.load(data / "pyradiance/blindsT3.xml")
+    losses = b.losses_of(b.reduce(cull_percent=99))
+    assert sum(loss.after for loss in losses) < sum(loss.before for loss in losses) / 2
+    assert [loss.component for loss in losses] == list(b.components)
+
+
+@needs_radiance
+def test_colour_is_culled_too():
+    b = bsdftree.generate("sawtooth", log2_res=3, samples=500, color=True)
+    culled = b.reduce(cull_percent=95)
+    for name, before in b._core.components("Visible").items():
+        after = culled._core.components("Visible")[name]
+        assert len(before) == len(after) == 3
+        assert all(a.n_leaves <= c.n_leaves for a, c in zip(after, before, strict=True))
+
+
+def test_a_cull_percentage_is_by_itself_and_in_its_range(monkeypatch):
+    tree = Tree.from_grid(np.arange(8.0).reshape(2, 2, 2))
+    for reduce in (tree.reduce, Bsdf.from_trees({"reflection_back": tree}).reduce):
+        with pytest.raises(ValueError, match="expected one of them"):
+            reduce(cull_percent=90, l1=0.1)
+        with pytest.raises(ValueError, match="0 <= cull_percent < 100"):
+            reduce(cull_percent=100)
+    with pytest.raises(ValueError, match="expected one of them"):
+        Tree.from_grid(np.ones((2, 2, 2)), cull_percent=90, tolerance=0.1)
+    monkeypatch.setattr("bsdftree._radiance.programs.find_folder", lambda: None)
+    with pytest.raises(ValueError, match=r"pip install 'bsdftree\[radiance\]'"):
+        tree.reduce(cull_percent=90)
+
+
+@needs_radiance
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, -1.0, 1e30, 1e39])
+def test_bad_values_never_reach_radiances_reducer(bad):
+    values = np.random.default_rng(1).random((8, 8, 8, 8))
+    values[1, 2, 3, 4] = bad
+    with pytest.raises(ValueError, match=r"1 of 4096 values .* at index \[1, 2, 3, 4\]"):
+        Tree.from_grid(values, cull_percent=90)
+    assert Tree.from_grid(values, cull_percent=90, strict=False).repairs
+
+
+def test_bad_values_are_refused_or_replaced_and_told():
+    values = np.random.default_rng(2).random((8, 8, 8)).astype(np.float32)
+    good = values.copy()
+    values[0, 1, 2], values[2, 7, 7], values[3, 4, 4] = np.nan, -0.5, np.inf
+    with pytest.raises(ValueError, match=r"3 of 512 values .*1 not a number, 1 infinite.*, 1 negative.*first is NaN"):
+        Tree.from_grid(values)
+    for how in ({}, {"tolerance": 0.0}):
+        tree = Tree.from_grid(values, strict=False, **how)
+        (repair,) = tree.repairs
+        assert "3 of 512" in repair and "taken as 0" in repair
+        mended = tree.to_grid(3)
+        # The half of the incident directions that is read.
+        changed = np.argwhere((mended != good)[:4]).tolist()
+        assert changed == [[0, 1, 2], [2, 7, 7], [3, 4, 4]]
+        assert mended[2, 7, 7] == 0
+        block = good[:2, :2, 2:4].astype(float)
+        assert mended[0, 1, 2] == pytest.approx((block.sum() - good[0, 1, 2]) / 7)
+    assert Tree.from_grid(good, strict=False).repairs == []
+    with pytest.raises(ValueError, match="512 of 512 values"):
+        Tree.from_grid(np.full((8, 8, 8), np.nan), strict=False)
+    assert Tree.from_raw(values.tobytes(), 3, strict=False).repairs
 
 
 def test_bad_goals_are_errors():
@@ -118,3 +206,64 @@ def test_command_line_reduces_and_says_what_was_lost(data, tmp_path):
     assert run("reduce", "--size", "10k", "--leaves", "5", source, "-o", target).exit_code == 2
     assert "expected a size" in run("reduce", "--size", "big", source, "-o", target).output
     assert "no tensor tree" in run("reduce", data / "pyradiance/clear.xml", "-o", target).output
+
+
+def grid_file(folder, kind, values):
+    path = folder / f"grid.{kind}"
+    if kind == "npy":
+        np.save(path, values)
+    elif kind == "fortran.npy":
+        np.save(path, np.asfortranarray(values))
+    elif kind == "f32":
+        values.astype("<f4").tofile(path)
+    elif kind == "f64":
+        values.astype("<f8").tofile(path)
+    else:
+        path.write_text(" ".join(map(str, values.reshape(-1))))
+    return path
+
+
+@pytest.mark.parametrize("kind", ["npy", "fortran.npy", "f32", "f64", "txt"])
+@pytest.mark.parametrize("rank", [3, 4])
+def test_command_line_reduces_grids(tmp_path, kind, rank, rng):
+    values = (rng.random((8,) * rank) ** 6).astype(np.float32)
+    source, target = grid_file(tmp_path, kind, values), tmp_path / "small.bsdft"
+    raw = ["--raw", "ascii"] if kind == "txt" else []
+    options = [*raw, "--rank", rank, "--component", "reflection_back", source, "-o", target]
+    report = json.loads(run("reduce", "--json", "--l1", "10", "--total", "2", *options).stdout)
+    small = bsdftree.load(target).components["reflection_back"]
+    loss = Tree.from_grid(values).loss_of(small)
+    (part,) = report["components"]
+    assert part["l1"] == pytest.approx(loss.l1, rel=1e-9) and part["leaves"] == [8**rank, small.n_leaves]
+    assert loss.l1 <= 0.1 and loss.worst_total <= 0.02 and small.n_leaves < 8**rank
+    assert run("reduce", "--size", "2k", *options).exit_code == 0
+    assert target.stat().st_size <= 2000
+    assert run("convert", *raw, "--rank", rank, source, tmp_path / "whole.xml").exit_code == 0
+
+
+def test_command_line_says_what_is_wrong_with_grids(tmp_path):
+    values = np.ones((4, 4, 4, 4), np.float32)
+    values[0, 0, 1, 0] = np.nan
+    source, target = grid_file(tmp_path, "npy", values), tmp_path / "small.xml"
+    result = run("reduce", source, "-o", target)
+    assert result.exit_code == 1 and "NaN at index [0, 0, 1, 0]" in result.output and "--repair takes" in result.output
+    result = run("reduce", "--repair", source, "-o", target)
+    assert result.exit_code == 0 and "1 of 256 values" in result.stderr
+    assert bsdftree.load(target).components["transmission_front"].n_leaves == 1
+    assert "give --rank 4" in run("reduce", "--rank", "3", source, "-o", target).output
+    np.save(source, np.array(["a"]))
+    assert "expected an array of real numbers" in run("reduce", source, "-o", target).output
+    np.save(source, np.array([{}]), allow_pickle=True)
+    assert run("reduce", source, "-o", target).exit_code == 1
+    source.write_bytes(b"\x93NUMPY\x01")
+    assert run("reduce", source, "-o", target).exit_code == 1
+    (tmp_path / "g.f32").write_bytes(b"1234567")
+    assert "expected a multiple of 4" in run("reduce", tmp_path / "g.f32", "-o", target).output
+
+
+@needs_radiance
+def test_command_line_culls(data, tmp_path):
+    source, target = data / "pyradiance/blindsT3.xml", tmp_path / "culled.xml"
+    assert run("reduce", "--cull-percent", "90", source, "-o", target).exit_code == 0
+    assert "culled by 90 % by rttree_reduce" in bsdftree.load(target).provenance[-1]
+    assert run("reduce", "--cull-percent", "90", "--total", "1", source, "-o", target).exit_code == 2

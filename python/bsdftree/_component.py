@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bsdftree import _core
-from bsdftree._reduce import Loss, Norm, loss_between
+from bsdftree._reduce import Loss, Norm, as_grid, culled, loss_between, refuse_beside_cull, tree_of_grid
 
 COMPONENTS = ("reflection_front", "reflection_back", "transmission_front", "transmission_back")
 """All components; front is the outside here, as in WINDOW."""
@@ -27,18 +27,35 @@ class Tree:
         Number of values.
     nbytes : int
         Memory of the tree [byte].
+    repairs : list of str
+        What :meth:`from_grid` replaced.
     """
 
-    def __init__(self, core: _core.Tree) -> None:
+    def __init__(self, core: _core.Tree, repairs: list[str] | None = None) -> None:
         self._core = core
+        self.repairs: list[str] = repairs or []
         self.rank = core.rank
         self.depth = core.depth
         self.n_leaves = core.n_leaves
         self.nbytes = core.nbytes
 
     @classmethod
-    def from_grid(cls, values: ArrayLike, *, tolerance: float | None = None, n_leaves: int | None = None) -> Tree:
+    def from_grid(
+        cls,
+        values: ArrayLike,
+        *,
+        tolerance: float | None = None,
+        rms: float | None = None,
+        total: float | None = None,
+        n_leaves: int | None = None,
+        norm: Norm = "l1",
+        cull_percent: float | None = None,
+        strict: bool = True,
+    ) -> Tree:
         """Build a tree from a uniform grid; equal neighbours become one leaf.
+
+        A grid of 32-bit numbers may be a file: ``np.load(path, mmap_mode="r")`` or ``np.memmap(path, np.float32)``,
+        reshaped. Reducing it takes an eighth of its memory beside it, and what remains.
 
         Parameters
         ----------
@@ -47,26 +64,25 @@ class Tree:
             exitant x, y of the Shirley-Chiu square; rank 3 is incident polar angle and exitant x, y.
         tolerance
             Relative L1 error that joining neighbours may make, as ``l1`` of :meth:`reduce`.
-        n_leaves
-            Most leaves, as that of :meth:`reduce`.
+        rms, total, n_leaves, norm, cull_percent
+            As of :meth:`reduce`.
+        strict
+            Whether to refuse values that are negative, not finite or over 1e12. Otherwise negative ones become 0,
+            others the mean of the good ones in the smallest block of cells of a tree that has such, and ``repairs``
+            says so.
 
         Raises
         ------
         ValueError
-            If the shape is not that, a value is negative or not finite, or the tree cannot be so small.
+            If the shape is not that, a value is bad, or the tree cannot be so small.
 
         Examples
         --------
         >>> Tree.from_grid(np.full((4, 4, 4, 4), 0.2)).n_leaves
         1
         """
-        array = np.asarray(values, np.float32)
-        if array.ndim not in (3, 4) or len(set(array.shape)) != 1:
-            raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
-        tree = cls(_core.Tree._from_grid(np.ascontiguousarray(array).reshape(-1), array.ndim))
-        if tolerance is None and n_leaves is None:
-            return tree
-        return tree.reduce(l1=tolerance, n_leaves=n_leaves)
+        tree, _, repairs = tree_of_grid(values, strict, tolerance, rms, total, n_leaves, norm, cull_percent)
+        return cls(tree, repairs)
 
     def reduce(
         self,
@@ -76,6 +92,7 @@ class Tree:
         total: float | None = None,
         n_leaves: int | None = None,
         norm: Norm = "l1",
+        cull_percent: float | None = None,
     ) -> Tree:
         """Return a smaller tree, branches of which became leaves of their mean.
 
@@ -94,11 +111,14 @@ class Tree:
             Most leaves.
         norm
             What is made least where only ``n_leaves`` or ``total`` is given: ``"l1"`` or ``"rms"``.
+        cull_percent
+            Radiance's percentage, by itself, for comparison: what its ``rttree_reduce`` makes of the values, with
+            pyradiance (the extra ``radiance``). No bound is kept by it.
 
         Raises
         ------
         ValueError
-            If nothing is given, or the bounds need more than ``n_leaves``.
+            If nothing is given, or the bounds need more than ``n_leaves``; if pyradiance is needed and not there.
 
         Examples
         --------
@@ -108,6 +128,9 @@ class Tree:
         >>> tree.n_leaves > 2 * small.n_leaves, tree.loss_of(small).l1 <= 0.05, tree.loss_of(small).worst_total <= 0.01
         (True, True, True)
         """
+        if cull_percent is not None:
+            refuse_beside_cull(l1, rms, total, n_leaves)
+            return Tree(culled(self._core, cull_percent))
         return Tree(_core.reduced(self._core, l1, rms, total, n_leaves, norm))
 
     def loss_of(self, reduced: Tree) -> Loss:
@@ -115,7 +138,7 @@ class Tree:
         return loss_between(self._core, reduced._core)
 
     @classmethod
-    def from_raw(cls, values: bytes | ArrayLike, rank: int = 4) -> Tree:
+    def from_raw(cls, values: bytes | ArrayLike, rank: int = 4, *, strict: bool = True) -> Tree:
         """Build a tree from what rttree_reduce reads: all values of a uniform grid, one after the other.
 
         Parameters
@@ -125,22 +148,21 @@ class Tree:
             last axis varies fastest.
         rank
             3 or 4.
+        strict
+            As of :meth:`from_grid`.
 
         Raises
         ------
         ValueError
-            If there are not (2^N)^rank of them.
+            If there are not (2^N)^rank of them, or one is bad.
 
         Examples
         --------
         >>> Tree.from_raw(np.full(256, 0.2, np.float32).tobytes()).n_leaves
         1
         """
-        array = np.frombuffer(values, np.float32) if isinstance(values, bytes) else np.asarray(values, np.float32)
-        n = round(array.size ** (1 / rank)) if rank in (3, 4) else 0
-        if not n or n**rank != array.size:
-            raise ValueError(f"{array.size} values; expected (2^N)^{rank}, with rank 3 or 4")
-        return cls.from_grid(array.reshape((n,) * rank))
+        array = np.frombuffer(values, np.float32) if isinstance(values, bytes) else np.asarray(values)
+        return cls.from_grid(as_grid(array, rank), strict=strict)
 
     def to_grid(self, log2_res: int | None = None) -> NDArray[np.float32]:
         """Values on a uniform grid.

@@ -9,7 +9,7 @@ from bsdftree import _core
 from bsdftree._check import KINDS, Mended
 from bsdftree._component import COMPONENTS
 from bsdftree._header import Described
-from bsdftree._reduce import Norm, Reduction, losses, reduced
+from bsdftree._reduce import FileKind, Norm, Reduction, losses, reduced
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -27,6 +27,8 @@ class Conversions(Described):
         n_leaves: int | None = None,
         n_bytes: int | None = None,
         norm: Norm = "l1",
+        file: FileKind = "xml",
+        cull_percent: float | None = None,
     ) -> Self:
         """Return a copy with smaller trees, as :meth:`Tree.reduce`.
 
@@ -37,16 +39,20 @@ class Conversions(Described):
         l1, rms, total, norm
             As of :meth:`Tree.reduce`.
         n_leaves
-            Most leaves of the luminance of all components together: the bound on L1 is as small as that allows.
+            Most leaves of the luminance of all components together: the bound on L1 is about as small as that allows.
         n_bytes
-            Largest size as XML [byte], likewise.
+            Largest size as a file [byte], likewise.
+        file
+            Which one: ``"xml"``, ``"bsdft"``, or ``"packed"``, a packed .bsdft.
+        cull_percent
+            As of :meth:`Tree.reduce`, of all trees, those of colour too, as genBSDF does it.
 
         Raises
         ------
         ValueError
             If there is no tree, nothing is given, or it cannot be so small.
         """
-        return type(self)(reduced(self._core, l1, rms, total, n_leaves, n_bytes, norm))
+        return type(self)(reduced(self._core, l1, rms, total, n_leaves, n_bytes, norm, file, cull_percent))
 
     def losses_of(self, reduced: Conversions) -> list[Reduction]:
         """What the trees of a reduced copy lost, one entry for each component of each band."""

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from bsdftree import _core
 from bsdftree._directions import direction_from_square, polar_from_direction
 
 Norm = Literal["l1", "rms"]
-# Bounds on errors between which that of a number of leaves or bytes is sought, and how exactly it is found.
-_FINEST, _COARSEST, _PRECISION = 1e-9, 1.0, 1e-3
+FileKind = Literal["xml", "bsdft", "packed"]
+# Most values that Radiance's reducer is given: those of 2^7 cells per axis, of which it takes 6 GB.
+_MOST_CULLED = 1 << 28
 
 
 class Loss(NamedTuple):
@@ -62,8 +63,12 @@ class Reduction(NamedTuple):
 
 def loss_between(whole: _core.Tree, reduced: _core.Tree) -> Loss:
     """Return the loss of a tree with branches cut off."""
-    l1, rms, mean, worst, (x, y) = _core.loss(whole, reduced)
-    if whole.rank == 3:
+    return _loss(whole.rank, *_core.loss(whole, reduced))
+
+
+def _loss(rank: int, l1: float, rms: float, mean: float, worst: float, at: tuple[float, float]) -> Loss:
+    x, y = at
+    if rank == 3:
         theta, phi = float(np.degrees(np.arcsin(max(1.0 - 2.0 * x, 0.0)))), np.nan
     else:
         # The incident square is that of the direction that light travels in.
@@ -83,10 +88,74 @@ def losses(whole: _core.Bsdf, reduced: _core.Bsdf) -> list[Reduction]:
     return found
 
 
-def trees_of(bsdf: _core.Bsdf) -> list[_core.Tree]:
-    """Return the luminance trees of all components."""
-    functions = [f[0] for band in bsdf.bands for f in bsdf.components(band).values()]
-    return [f for f in functions if isinstance(f, _core.Tree)]
+def as_grid(values: NDArray[Any], rank: int) -> NDArray[Any]:
+    """Return values one after the other as an array of as many axes."""
+    n = round(values.size ** (1 / rank)) if rank in (3, 4) else 0
+    if not n or n**rank != values.size:
+        raise ValueError(f"{values.size} values; expected (2^N)^{rank}, with rank 3 or 4")
+    return values.reshape((n,) * rank)
+
+
+def tree_of_grid(
+    values: ArrayLike,
+    strict: bool = True,
+    l1: float | None = None,
+    rms: float | None = None,
+    total: float | None = None,
+    n_leaves: int | None = None,
+    norm: Norm = "l1",
+    cull_percent: float | None = None,
+) -> tuple[_core.Tree, Loss, list[str]]:
+    """Return the tree of a grid, reduced if anything says how far; what was lost; and what was repaired."""
+    # What is beyond the range is said to be infinite.
+    with np.errstate(over="ignore"):
+        array = np.asarray(values, np.float32)
+    rank = array.ndim
+    if rank not in (3, 4) or len(set(array.shape)) != 1:
+        raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
+    flat = np.ascontiguousarray(array).reshape(-1)
+    if cull_percent is None:
+        tree, loss, repaired = _core.tree_of_grid(flat, rank, strict, l1, rms, total, n_leaves, norm)
+    else:
+        refuse_beside_cull(l1, rms, total, n_leaves)
+        whole, _, repaired = _core.tree_of_grid(flat, rank, strict, None, None, None, None, norm)
+        tree = culled(whole, cull_percent)
+        loss = _core.loss(whole, tree)
+    return tree, _loss(rank, *loss), [repaired] if repaired else []
+
+
+def refuse_beside_cull(*others: object) -> None:
+    """Refuse a cull percentage that is not alone."""
+    if any(other is not None for other in others):
+        raise ValueError("cull_percent and a bound or size; expected one of them")
+
+
+def culled(tree: _core.Tree, cull_percent: float) -> _core.Tree:
+    """Return a tree as Radiance's ``rttree_reduce`` reduces it, from values on a grid as fine as the tree.
+
+    Raises
+    ------
+    ValueError
+        If pyradiance is not installed, the percentage is none, or the grid is too large.
+    """
+    from bsdftree._radiance.reduce import reduced as radiance_reduced
+
+    if not 0 <= cull_percent < 100:
+        raise ValueError(f"cull_percent = {cull_percent}; expected 0 <= cull_percent < 100")
+    if 1 << tree.depth * tree.rank > _MOST_CULLED:
+        raise ValueError(
+            f"a tree of 2^{tree.depth} cells per axis is too fine for Radiance's reducer; bound an error instead"
+        )
+    if tree.depth == 0:
+        return tree
+    return radiance_reduced(_fit_to_cull(tree._to_grid(tree.depth)), tree.rank, tree.depth, cull_percent, average=False)
+
+
+def _fit_to_cull(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return values that Radiance's reducer does not fail of, or refuse them."""
+    if not (values.max() <= 1e12 and values.min() >= 0):
+        raise ValueError(f"the largest value is {values.max():g}; Radiance's reducer is given none over 1e12")
+    return values
 
 
 def reduced(
@@ -97,39 +166,20 @@ def reduced(
     n_leaves: int | None,
     n_bytes: int | None,
     norm: Norm,
+    file: FileKind,
+    cull_percent: float | None,
 ) -> _core.Bsdf:
-    """Return a BSDF with smaller trees: to bounds, or with the least bound at which it is as small as is wanted."""
+    """Return a BSDF with smaller trees: to bounds, to about the least bound for a size, or culled."""
     if sum([n_leaves is not None, n_bytes is not None, l1 is not None or rms is not None]) > 1:
         raise ValueError("n_leaves, n_bytes, and bounds on L1 or RMS exclude each other; give one of them")
-    if not trees_of(bsdf):
+    trees = _core.all_trees(bsdf)
+    if not trees:
         raise ValueError("there is no tensor tree to reduce; convert matrices by to_tree() first")
-
-    def at(bound: float) -> _core.Bsdf:
-        of_l1, of_rms = (bound, None) if norm == "l1" else (None, bound)
-        return _core.reduced_bsdf(bsdf, of_l1, of_rms, total, norm)
-
+    if cull_percent is not None:
+        refuse_beside_cull(l1, rms, total, n_leaves, n_bytes)
+        return _core.with_trees(bsdf, [culled(tree, cull_percent) for tree in trees])
     if n_leaves is not None:
-        return _smallest_error(at, lambda b: sum(tree.n_leaves for tree in trees_of(b)), n_leaves, "leaves")
+        return _core.reduced_bsdf_to(bsdf, n_leaves, "leaves", total, norm)
     if n_bytes is not None:
-        return _smallest_error(at, lambda b: len(b.to_xml().encode()), n_bytes, "bytes")
+        return _core.reduced_bsdf_to(bsdf, n_bytes, file, total, norm)
     return _core.reduced_bsdf(bsdf, l1, rms, total, norm)
-
-
-def _smallest_error(
-    reduce: Callable[[float], _core.Bsdf], size: Callable[[_core.Bsdf], int], most: int, what: str
-) -> _core.Bsdf:
-    """Return the BSDF of the least bound at which a size is at most so much."""
-    fine, coarse = _FINEST, _COARSEST
-    best = reduce(coarse)
-    if size(best) > most:
-        raise ValueError(f"{size(best):,} {what} are the least there can be; {most:,} were asked for")
-    if size(finest := reduce(fine)) <= most:
-        return finest
-    while coarse / fine > 1.0 + _PRECISION:
-        middle = float(np.sqrt(fine * coarse))
-        found = reduce(middle)
-        if size(found) <= most:
-            coarse, best = middle, found
-        else:
-            fine = middle
-    return best

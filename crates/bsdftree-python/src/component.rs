@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bsdftree::{Basis, Component, Rank, Scattering};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -24,14 +24,6 @@ pub fn rank(rank: usize) -> PyResult<Rank> {
 
 #[pymethods]
 impl Tree {
-    #[staticmethod]
-    #[pyo3(signature = (values, rank))]
-    fn _from_grid(values: PyReadonlyArray1<'_, f32>, rank: usize) -> PyResult<Tree> {
-        bsdftree::Tree::from_grid(self::rank(rank)?, values.as_slice()?)
-            .map(|tree| Tree(Arc::new(tree)))
-            .map_err(|e| PyValueError::new_err(e.to_string()))
-    }
-
     #[getter]
     fn rank(&self) -> usize {
         self.0.rank().dimensions()

@@ -37,8 +37,12 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(device::device_families, module)?)?;
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::tree_of_grid, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::reduced, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::reduced_bsdf, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::reduced_bsdf_to, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::all_trees, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::with_trees, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::loss, module)?)?;
     module.add_function(wrap_pyfunction!(check::repaired, module)?)?;
     module.add_function(wrap_pyfunction!(check::faults, module)?)?;

@@ -1,13 +1,19 @@
-//! Trees with branches cut off.
+//! Trees of grids, and trees with branches cut off.
 
+use std::borrow::Cow;
+use std::io::{self, Write};
 use std::sync::Arc;
 
-use bsdftree::reduce::{Goal, Norm};
+use bsdftree::binary::{self, Packing};
+use bsdftree::reduce::{Goal, Loss, Norm, ReduceError};
+use bsdftree::tree::grid;
+use bsdftree::{Component, Scattering, xml};
+use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::bsdf::Bsdf;
-use crate::component::Tree;
+use crate::component::{Tree, rank};
 use crate::value_error;
 
 fn goal(
@@ -25,6 +31,60 @@ fn goal(
         }
     };
     Ok(Goal { l1, rms, total, n_leaves, norm })
+}
+
+/// Loss as Python takes it: relative L1, relative RMS, mean and worst error of totals, and where the worst is in the incident square.
+type LossTuple = (f64, f64, f64, f64, [f64; 2]);
+
+fn loss_tuple(loss: &Loss) -> LossTuple {
+    (loss.l1, loss.rms, loss.mean_total, loss.worst_total, loss.worst_at)
+}
+
+/// A tree of a grid, reduced if anything says how far; what was lost by that; and what was mended, unless that is refused.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
+pub fn tree_of_grid(
+    py: Python<'_>,
+    values: PyReadonlyArray1<'_, f32>,
+    rank: usize,
+    strict: bool,
+    l1: Option<f64>,
+    rms: Option<f64>,
+    total: Option<f64>,
+    n_leaves: Option<usize>,
+    norm: &str,
+) -> PyResult<(Tree, LossTuple, Option<String>)> {
+    let (rank, values) = (self::rank(rank)?, values.as_slice()?);
+    let goal = self::goal(l1, rms, total, n_leaves, norm)?;
+    let is_reduced = l1.or(rms).or(total).is_some() || n_leaves.is_some();
+    py.detach(|| {
+        let (values, mended) = good_values(rank, values, strict)?;
+        let (tree, loss) = match is_reduced {
+            false => (bsdftree::Tree::from_grid(rank, &values).map_err(|e| e.to_string())?, Loss::default()),
+            true => bsdftree::Tree::reduced_from_grid(rank, &values, &goal).map_err(|e| e.to_string())?,
+        };
+        Ok((Tree(Arc::new(tree)), loss_tuple(&loss), mended))
+    })
+    .map_err(|error: String| value_error(error))
+}
+
+/// The values of a grid, the bad ones replaced unless that is refused, and what was said of it.
+fn good_values(
+    rank: bsdftree::Rank,
+    values: &[f32],
+    strict: bool,
+) -> Result<(Cow<'_, [f32]>, Option<String>), String> {
+    let Some(bad) = grid::bad_values(rank, values).map_err(|e| e.to_string())? else {
+        return Ok((values.into(), None));
+    };
+    if strict {
+        return Err(format!(
+            "{bad}; strict=False takes negative ones as 0 and others as the mean of those around"
+        ));
+    }
+    let mut values = values.to_vec();
+    grid::mend(rank, &mut values).map_err(|e| e.to_string())?;
+    Ok((values.into(), Some(format!("{bad}; negative ones taken as 0, others as the mean of those around"))))
 }
 
 /// A tree reduced to bounds or to a number of leaves.
@@ -58,10 +118,93 @@ pub fn reduced_bsdf(
     Ok(Bsdf { bsdf: reduced, repairs: Vec::new() })
 }
 
-/// How far a tree is from the one that it is with branches cut off: relative L1, relative RMS, mean and worst error of totals, and where
-/// the worst is in the incident square.
+/// A BSDF whose trees are reduced so that it has at most so many leaves (of luminance), or bytes as a file.
 #[pyfunction]
-pub fn loss(py: Python<'_>, whole: &Tree, reduced: &Tree) -> PyResult<(f64, f64, f64, f64, [f64; 2])> {
+pub fn reduced_bsdf_to(
+    py: Python<'_>,
+    bsdf: &Bsdf,
+    most: usize,
+    of: &str,
+    total: Option<f64>,
+    norm: &str,
+) -> PyResult<Bsdf> {
+    let norm = goal(None, None, None, None, norm)?.norm;
+    let size: fn(&bsdftree::Bsdf) -> usize = match of {
+        "leaves" => n_leaves,
+        "xml" => |bsdf| counted(|out| xml::write(bsdf, out).map_err(drop)),
+        "bsdft" => |bsdf| counted(|out| binary::write(bsdf, Packing::Raw, out).map_err(drop)),
+        "packed" => |bsdf| counted(|out| binary::write(bsdf, Packing::SMALL, out).map_err(drop)),
+        other => {
+            return Err(PyValueError::new_err(format!(
+                "a size as {other:?}; expected \"xml\", \"bsdft\" or \"packed\""
+            )));
+        }
+    };
+    let reduced =
+        py.detach(|| bsdf.bsdf.reduced_to(most, norm, total, size)).map_err(|error| match error {
+            ReduceError::Size { least, asked } => {
+                let what = if of == "leaves" { of } else { "bytes" };
+                value_error(format!("{least} {what} are the least there can be; {asked} were asked for"))
+            }
+            other => value_error(other),
+        })?;
+    Ok(Bsdf { bsdf: reduced, repairs: Vec::new() })
+}
+
+fn n_leaves(bsdf: &bsdftree::Bsdf) -> usize {
+    let luminance = bsdf.bands.iter().flat_map(|band| band.components()).map(|(_, c)| &c.luminance);
+    luminance.map(|f| if let Scattering::Tree(tree) = f { tree.arena().n_leaves() } else { 0 }).sum()
+}
+
+/// What is written to it is counted, and forgotten.
+#[derive(Default)]
+struct Counter(usize);
+
+impl Write for Counter {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 += bytes.len();
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// How many bytes are written; more than fit anywhere if they cannot be.
+fn counted(write: impl FnOnce(&mut Counter) -> Result<(), ()>) -> usize {
+    let mut counter = Counter::default();
+    write(&mut counter).map_or(usize::MAX, |()| counter.0)
+}
+
+/// All trees of a BSDF, luminance and chroma of each component of each band.
+#[pyfunction]
+pub fn all_trees(bsdf: &Bsdf) -> Vec<Tree> {
+    let components = bsdf.bsdf.bands.iter().flat_map(|band| band.components());
+    let functions = components.flat_map(|(_, component)| component.functions());
+    let trees = functions.filter_map(|f| if let Scattering::Tree(tree) = f { Some(tree) } else { None });
+    trees.map(|tree| Tree(Arc::clone(tree))).collect()
+}
+
+/// A BSDF with other trees, in the same order.
+#[pyfunction]
+pub fn with_trees(bsdf: &Bsdf, trees: Vec<PyRef<'_, Tree>>) -> PyResult<Bsdf> {
+    let (mut bsdf, mut trees) = (bsdf.bsdf.clone(), trees.into_iter());
+    for component in bsdf.bands.iter_mut().flat_map(|band| band.components_mut()) {
+        let Component { luminance, chroma } = component;
+        for function in std::iter::once(luminance).chain(chroma.iter_mut().flatten()) {
+            if let Scattering::Tree(_) = function {
+                let tree = trees.next().ok_or_else(|| value_error("fewer trees than the BSDF has"))?;
+                *function = Scattering::Tree(Arc::clone(&tree.0));
+            }
+        }
+    }
+    Ok(Bsdf { bsdf, repairs: Vec::new() })
+}
+
+/// How far a tree is from the one that it is with branches cut off.
+#[pyfunction]
+pub fn loss(py: Python<'_>, whole: &Tree, reduced: &Tree) -> PyResult<LossTuple> {
     let loss = py.detach(|| whole.0.loss_of(&reduced.0)).map_err(value_error)?;
-    Ok((loss.l1, loss.rms, loss.mean_total, loss.worst_total, loss.worst_at))
+    Ok(loss_tuple(&loss))
 }

@@ -191,3 +191,71 @@ fn nodes_out_of_order_give_the_same_tree() {
     assert!(a.0.leaves().eq(b.0.leaves()));
     assert_eq!(a.1, b.1);
 }
+
+/// Values of a grid, some of them equal to their neighbours.
+fn values(rank: Rank, log2: u32, seed: u64, scale: f32) -> Vec<f32> {
+    let grid = grid(rank, log2, seed).to_grid(log2);
+    grid.into_iter().map(|v| if v < 0.1 { 0.0 } else { v * scale }).collect()
+}
+
+#[test]
+fn grids_are_reduced_as_the_trees_of_them_are() {
+    for (rank, log2) in [(Rank::Three, 4), (Rank::Three, 1), (Rank::Four, 3), (Rank::Four, 1)] {
+        for (seed, scale) in [(1, 1.0), (2, 1e11), (3, 1e-30)] {
+            let values = values(rank, log2, seed, scale);
+            let tree = Tree::from_grid(rank, &values).unwrap();
+            let n = tree.arena().n_leaves();
+            for goal in [
+                Goal { l1: Some(0.05), ..Goal::default() },
+                Goal { l1: Some(0.0), ..Goal::default() },
+                Goal { rms: Some(0.05), ..Goal::default() },
+                Goal { l1: Some(0.2), total: Some(0.01), ..Goal::default() },
+                Goal { total: Some(0.02), norm: Norm::Rms, ..Goal::default() },
+                Goal { n_leaves: Some(n / 3), ..Goal::default() },
+                Goal { n_leaves: Some(n / 2), norm: Norm::Rms, ..Goal::default() },
+            ] {
+                let (from_tree, a) = tree.reduced(&goal).unwrap();
+                let (from_grid, b) = Tree::reduced_from_grid(rank, &values, &goal).unwrap();
+                // Sums are made in another order, which decides between branches that are alike but for rounding.
+                let [m, n] = [&from_tree, &from_grid].map(|tree| tree.arena().n_leaves());
+                assert!(m.abs_diff(n) <= 15, "{rank:?} 2^{log2} {goal:?}: {m} {n} leaves");
+                assert!(
+                    (a.l1 - b.l1).abs() <= 1e-6 + 0.05 * a.l1 && (a.rms - b.rms).abs() <= 1e-6 + 0.05 * a.rms,
+                    "{a:?} {b:?}"
+                );
+                let of_result = tree.loss_of(&from_grid).unwrap();
+                assert!((of_result.l1 - b.l1).abs() < 1e-12 && (of_result.rms - b.rms).abs() < 1e-12);
+                assert!((of_result.worst_total - b.worst_total).abs() < 1e-12);
+                assert!(
+                    goal.l1.is_none_or(|bound| b.l1 <= bound) && goal.rms.is_none_or(|bound| b.rms <= bound)
+                );
+                assert!(goal.total.is_none_or(|bound| b.worst_total <= bound), "{b:?}");
+                assert!(goal.n_leaves.is_none_or(|most| n <= most));
+            }
+        }
+    }
+    let one =
+        Tree::reduced_from_grid(Rank::Four, &[0.3], &Goal { l1: Some(0.1), ..Goal::default() }).unwrap();
+    assert_eq!((one.0.arena().n_leaves(), one.1.worst_total), (1, 0.0));
+    let bad =
+        Tree::reduced_from_grid(Rank::Three, &[f32::NAN; 8], &Goal { l1: Some(0.1), ..Goal::default() });
+    assert!(matches!(bad, Err(ReduceError::Grid(_))));
+}
+
+#[test]
+fn values_at_the_ends_of_their_range_are_reduced() {
+    let mut builder = TreeBuilder::new(Rank::Four);
+    let mut children = [Slot::leaf(1e-30); 16];
+    children[3] = Slot::leaf(f32::MAX);
+    children[4] = builder.node(&std::array::from_fn::<_, 16, _>(|k| Slot::leaf(k as f32 * 1e-38))).unwrap();
+    let root = builder.node(&children).unwrap();
+    let tree = Tree::new(builder.finish(root));
+    for goal in [
+        Goal { l1: Some(0.1), ..Goal::default() },
+        Goal { rms: Some(0.1), ..Goal::default() },
+        Goal { n_leaves: Some(20), norm: Norm::Rms, ..Goal::default() },
+    ] {
+        let (reduced, loss) = tree.reduced(&goal).unwrap();
+        assert_eq!(reduced.arena().n_leaves(), 16, "{goal:?} {loss:?}");
+    }
+}

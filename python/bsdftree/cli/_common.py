@@ -13,7 +13,8 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from bsdftree import Bsdf, load
+from bsdftree import Bsdf, Tree, load
+from bsdftree._grid_file import read_grid
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -56,9 +57,30 @@ def read(path: str, repair: bool) -> Bsdf:
         bsdf.verify()
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
-    for repaired in bsdf.repairs:
-        click.echo(printable(f"{path}: {repaired}"), err=True)
+    say_repairs(path, bsdf.repairs)
     return bsdf
+
+
+def read_grid_tree(path: str, numbers: str | None, rank: int, component: str, repair: bool) -> Bsdf:
+    """Read a grid as a BSDF of one component; say on standard error what was repaired."""
+    try:
+        tree = Tree.from_grid(read_grid(path, rank, numbers), strict=not repair)
+    except ValueError as error:
+        raise ValueError(grid_message(path, error)) from None
+    say_repairs(path, tree.repairs)
+    return Bsdf.from_trees({component: tree})
+
+
+def grid_message(path: str, error: ValueError) -> str:
+    """Return what is wrong with a grid, in the words of the command line."""
+    text = str(error).replace("strict=False takes", "--repair takes")
+    return text if text.startswith(path) else f"{path}: {text}"
+
+
+def say_repairs(path: str, repairs: Iterable[str]) -> None:
+    """Say on standard error what was repaired."""
+    for repaired in repairs:
+        click.echo(printable(f"{path}: {repaired}"), err=True)
 
 
 def tell(warnings: Iterable[str]) -> None:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Literal
 
 import click
-import numpy as np
 
-from bsdftree import Bsdf, Matrix, Tree, write_radiance_matrix
+from bsdftree import Bsdf, Matrix, write_radiance_matrix
 from bsdftree._component import COMPONENTS
-from bsdftree.cli._common import BASES, PERCENT, read, repair_option, with_input_errors
+from bsdftree._grid_file import is_grid as grid_by_name
+from bsdftree.cli._common import BASES, PERCENT, read, read_grid_tree, repair_option, with_input_errors
 from bsdftree.cli._energyplus_output import energyplus_options, is_energyplus, write_energyplus
 
 
@@ -58,7 +57,7 @@ from bsdftree.cli._energyplus_output import energyplus_options, is_energyplus, w
 @click.option(
     "--raw",
     type=click.Choice(["ascii", "float", "double"]),
-    help="IN is what rttree_reduce reads: all values of a grid of this --rank.",
+    help="IN is what rttree_reduce reads: a grid of this --rank. So are .npy, .f32 and .f64, without this.",
 )
 @click.option(
     "--component",
@@ -116,7 +115,8 @@ def convert(
     if klems and tree:
         raise click.UsageError("--klems and --tree; expected one of them")
     for_energyplus = is_energyplus(target, construction)
-    bsdf = _from_raw(source, raw, rank, component) if raw else read(source, repair)
+    is_grid = raw is not None or grid_by_name(source)
+    bsdf = read_grid_tree(source, raw, rank, component, repair) if is_grid else read(source, repair)
     if flip:
         bsdf = bsdf.flipped()
     if mirror:
@@ -142,25 +142,6 @@ def convert(
         write_energyplus(made, target, construction)
     else:
         made.save(target, packed=packed, level=level)
-
-
-def _from_raw(source: str, raw: str, rank: int, component: str) -> Bsdf:
-    data = Path(source).read_bytes()
-    if data.startswith(b"#?"):
-        # Radiance's header ends with an empty line.
-        header, _, data = data.partition(b"\n\n")
-        if not data:
-            raise ValueError(f"{source}: a header of {len(header)} bytes without an empty line and values after it")
-    return Bsdf.from_trees({component: _tree_of_raw(source, data, raw, rank)})
-
-
-def _tree_of_raw(source: str, data: bytes, raw: str, rank: int) -> Tree:
-    try:
-        if raw == "ascii":
-            return Tree.from_raw(np.array(data.replace(b",", b" ").split(), np.float32), rank)
-        return Tree.from_raw(np.frombuffer(data, np.float32 if raw == "float" else np.float64), rank)
-    except ValueError as error:
-        raise ValueError(f"{source}: {error}; as {raw}, for a tree of rank {rank}") from None
 
 
 def _write_matrix(bsdf: Bsdf, component: str, target: str) -> None:

@@ -8,8 +8,23 @@ from typing import Any
 
 import click
 
-from bsdftree import Bsdf
-from bsdftree.cli._common import PERCENT, json_option, print_json, read, repair_option, stdout, table, with_input_errors
+from bsdftree import Bsdf, Tree
+from bsdftree._component import COMPONENTS
+from bsdftree._grid_file import is_grid, read_grid
+from bsdftree._reduce import FileKind, Reduction, tree_of_grid
+from bsdftree.cli._common import (
+    PERCENT,
+    grid_message,
+    json_option,
+    print_json,
+    read,
+    read_grid_tree,
+    repair_option,
+    say_repairs,
+    stdout,
+    table,
+    with_input_errors,
+)
 
 _UNITS = {"": 1, "k": 1e3, "m": 1e6, "g": 1e9}
 
@@ -38,8 +53,27 @@ def _bytes(_context: click.Context, _parameter: click.Parameter, value: str | No
     help="Most that any incident direction's hemispherical total may change, in percent of it or of 0.1. [default: 1]",
 )
 @click.option("--leaves", type=click.IntRange(1), metavar="N", help="Most leaves of all components together.")
-@click.option("--size", callback=_bytes, metavar="SIZE", help="Largest size as XML, such as 5MB.")
+@click.option("--size", callback=_bytes, metavar="SIZE", help="Largest size of OUT, such as 5MB.")
+@click.option(
+    "--cull-percent",
+    type=PERCENT,
+    metavar="PERCENT",
+    help="Radiance's percentage, for comparison: what its rttree_reduce does (pyradiance).",
+)
 @click.option("--packed", is_flag=True, help="Compress a .bsdft file.")
+@click.option(
+    "--raw",
+    type=click.Choice(["ascii", "float", "double"]),
+    help="IN is what rttree_reduce reads: all values of a grid. So are .npy, .f32 and .f64, without this.",
+)
+@click.option("--rank", type=click.IntRange(3, 4), default=4, show_default=True, help="Of a grid: 3 is isotropic.")
+@click.option(
+    "--component",
+    type=click.Choice(COMPONENTS),
+    default="transmission_front",
+    show_default=True,
+    help="What the values of a grid are. Front is the outside, as in WINDOW.",
+)
 @repair_option
 @json_option
 @with_input_errors
@@ -51,7 +85,11 @@ def reduce(
     total: float | None,
     leaves: int | None,
     size: int | None,
+    cull_percent: float | None,
     packed: bool,
+    raw: str | None,
+    rank: int,
+    component: str,
     repair: bool,
     as_json: bool,
 ) -> None:
@@ -60,33 +98,76 @@ def reduce(
     Branches become leaves of their mean, so that no light is gained or lost over any of them. Bounds hold for each
     component of each band, together. Without any, L1 is kept to 2 % and each direction's total to 1 %.
 
+    IN is a BSDF, or a grid of 2^N cells along each axis, the last one fastest: a file of NumPy's (.npy) or of bare
+    numbers. It is not loaded: of a grid larger than memory only the result must fit, and an eighth of the grid.
+
     \b
     Examples:
       bsdftree reduce blinds.xml -o small.xml
       bsdftree reduce blinds.xml -o small.xml --l1 5 --total 0.5
       bsdftree reduce blinds.xml -o small.xml --size 1MB
       bsdftree reduce blinds.xml -o small.bsdft --leaves 20000 --packed
+      bsdftree reduce grid.npy -o tree.xml --component reflection_back --l1 1
+      bsdftree reduce blinds.xml -o culled.xml --cull-percent 90
     """
-    if sum(option is not None for option in (leaves, size, l1 if l1 is not None else rms)) > 1:
-        raise click.UsageError("--leaves, --size, and --l1 or --rms exclude each other; give one of them")
-    bsdf = read(source, repair)
-    if all(option is None for option in (l1, rms, total, leaves, size)):
+    ways = (leaves, size, cull_percent, l1 if l1 is not None else rms)
+    if sum(way is not None for way in ways) > 1 or (cull_percent is not None and total is not None):
+        raise click.UsageError(
+            "--leaves, --size, --cull-percent, and --l1 or --rms exclude each other; give one of them"
+        )
+    if all(way is None for way in ways) and total is None:
         l1, total = 2.0, 1.0
     bounds = {"l1": l1, "rms": rms, "total": total}
     shares: dict[str, Any] = {name: bound / 100 for name, bound in bounds.items() if bound is not None}
-    done = ", ".join([f"{name} {bound:g} %" for name, bound in bounds.items() if bound is not None])
-    reached = done or (f"{leaves} leaves" if leaves else f"{size} bytes")
-    # First, since it is a part of the size.
-    named = bsdf.with_header(provenance=[*bsdf.provenance, f"reduced to {reached} by bsdftree"])
-    reduced = named.reduce(**shares, n_leaves=leaves, n_bytes=size)
-    reduced.save(target, packed=packed)
-    _report(bsdf, reduced, source, target, as_json)
+    done = [f"{name} {bound:g} %" for name, bound in bounds.items() if bound is not None]
+    sizes = {"leaves": leaves, "bytes": size}
+    done += [f"{n} {what}" for what, n in sizes.items() if n is not None]
+    said = (
+        f"culled by {cull_percent:g} % by rttree_reduce"
+        if cull_percent is not None
+        else f"reduced to {', '.join(done)}"
+    )
+    file: FileKind = "xml" if not target.lower().endswith(".bsdft") else "packed" if packed else "bsdft"
+    if (raw or is_grid(source)) and size is None:
+        reduced, rows = _reduced_grid(source, raw, rank, component, repair, leaves, cull_percent, shares)
+        named = reduced.with_header(provenance=[f"{said} by bsdftree"])
+    else:
+        bsdf = read_grid_tree(source, raw, rank, component, repair) if raw or is_grid(source) else read(source, repair)
+        # First, since it is a part of the size.
+        named = bsdf.with_header(provenance=[*bsdf.provenance, f"{said} by bsdftree"])
+        named = named.reduce(**shares, n_leaves=leaves, n_bytes=size, file=file, cull_percent=cull_percent)
+        rows = bsdf.losses_of(named)
+    named.save(target, packed=packed)
+    _report(rows, source, target, as_json)
 
 
-def _report(bsdf: Bsdf, reduced: Bsdf, source: str, target: str, as_json: bool) -> None:
+def _reduced_grid(
+    source: str,
+    raw: str | None,
+    rank: int,
+    component: str,
+    repair: bool,
+    leaves: int | None,
+    cull_percent: float | None,
+    bounds: dict[str, Any],
+) -> tuple[Bsdf, list[Reduction]]:
+    """Reduce a grid, without the whole tree in memory."""
+    values = read_grid(source, rank, raw)
+    try:
+        tree, loss, repairs = tree_of_grid(
+            values, strict=not repair, n_leaves=leaves, cull_percent=cull_percent, **bounds
+        )
+    except ValueError as error:
+        raise ValueError(grid_message(source, error)) from None
+    say_repairs(source, repairs)
+    bsdf = Bsdf.from_trees({component: Tree(tree)})
+    (band,) = bsdf.bands
+    return bsdf, [Reduction(band, component, values.size, tree.n_leaves, loss)]
+
+
+def _report(rows: list[Reduction], source: str, target: str, as_json: bool) -> None:
     """Say what was lost."""
     sizes = [Path(path).stat().st_size for path in (source, target)]
-    rows = bsdf.losses_of(reduced)
     if as_json:
         parts = [
             {"band": r.band, "component": r.component, "leaves": [r.before, r.after], **r.loss._asdict()} for r in rows

@@ -6,16 +6,20 @@
 //!
 //! Source: Radiance's rttree_reduce, which cuts off a percentage of branches by a score of its own.
 
+mod source;
 mod measure;
+mod grid;
 mod prune;
 mod totals;
 mod whole;
 
 use thiserror::Error;
 
-use crate::tree::{Arena, Content, Slot, Totals, Tree, TreeBuilder};
-use measure::{Measures, Sums};
-use prune::{Pruning, between, boundary};
+use crate::tree::{Arena, Content, Rank, Slot, Totals, Tree, TreeBuilder, TreeError};
+use grid::Grid;
+use measure::Measures;
+use prune::{Pruning, between, boundary, boundary_of_trees};
+use source::{Nodes, Source};
 
 /// How differences are weighed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,6 +83,9 @@ pub enum ReduceError {
     /// A bound that is no number ≥ 0.
     #[error("the bound of {0} is {1}; expected a number of at least 0")]
     Bound(&'static str, f64),
+    /// Values that are no grid.
+    #[error(transparent)]
+    Grid(#[from] TreeError),
     /// More incident cells than totals are kept of.
     #[error(
         "a tree of 2^{0} cells per axis is too fine to be reduced; convert it to a coarser one first (`convert --tree`)"
@@ -89,6 +96,14 @@ pub enum ReduceError {
         "the second tree is of another rank, or finer than the first in some place; expected one that was reduced"
     )]
     NoPart,
+    /// A size that no tree has.
+    #[error("{least} is the least there can be; {asked} were asked for")]
+    Size {
+        /// Of the smallest.
+        least: usize,
+        /// That was asked for.
+        asked: usize,
+    },
     /// Bounds that no tree of so few leaves keeps.
     #[error("{needed} leaves are needed to keep the bounds; {asked} were asked for")]
     Leaves {
@@ -136,7 +151,16 @@ impl Tree {
         let goal = goal.validated()?;
         self.has_totals()?;
         let arena = self.arena().in_level_order();
-        Reduction::new(&arena, goal.norm()).best(&goal)
+        Reduction::new(Nodes::new(&arena), goal.norm()).best(&goal)
+    }
+
+    /// As [`Tree::from_grid`] and then [`Tree::reduced`], without the whole tree in memory: an eighth of the grid is what it takes.
+    ///
+    /// # Errors
+    /// As those.
+    pub fn reduced_from_grid(rank: Rank, values: &[f32], goal: &Goal) -> Result<(Tree, Loss), ReduceError> {
+        let goal = goal.validated()?;
+        Reduction::new(Grid::new(rank, values)?, goal.norm()).best(&goal)
     }
 
     fn has_totals(&self) -> Result<(), ReduceError> {
@@ -155,13 +179,13 @@ impl Tree {
             return Err(ReduceError::NoPart);
         }
         self.has_totals()?;
-        Ok(loss(self.arena(), reduced.arena()))
+        Ok(loss(&Nodes::new(self.arena()), reduced.arena()))
     }
 }
 
 /// How far a tree with branches cut off is from the whole one.
-fn loss(whole: &Arena, reduced: &Arena) -> Loss {
-    totals::with_totals(Sums::of(whole, reduced).loss(), whole, reduced)
+fn loss(whole: &impl Source, reduced: &Arena) -> Loss {
+    totals::with_totals(measure::loss(whole, reduced), whole, reduced)
 }
 
 /// Whether the second tree is nowhere finer than the first.
@@ -176,36 +200,37 @@ fn is_part(whole: &Arena, reduced: &Arena, slots: [Slot; 2]) -> bool {
     }
 }
 
-struct Reduction<'a> {
-    arena: &'a Arena,
+/// A function whose nodes are measured.
+struct Reduction<S> {
+    source: S,
     measures: Measures,
-    /// ∫f.
-    light: f64,
-    /// ∫f².
-    power: f64,
+    /// What errors are multiplied by, so that they are numbers of 32 bits whatever the values are.
+    scale: f64,
 }
 
-impl Reduction<'_> {
-    fn new(arena: &Arena, norm: Norm) -> Reduction<'_> {
-        let whole = Sums::of(arena, arena);
-        Reduction { arena, measures: Measures::new(arena, norm), light: whole.light, power: whole.power }
+impl<S: Source> Reduction<S> {
+    fn new(source: S, norm: Norm) -> Reduction<S> {
+        let largest = source.whole().largest;
+        let scale = if largest > 0.0 { largest.recip() } else { 1.0 };
+        let measures = source.measures(norm, scale);
+        Reduction { source, measures, scale: norm.of(scale) }
     }
 
     fn best(&self, goal: &Goal) -> Result<(Tree, Loss), ReduceError> {
         let Goal { l1, rms, total, n_leaves, .. } = *goal;
         let pruning = match (l1.or(rms).or(total), n_leaves) {
             (None, Some(n)) => {
-                let [many, few] = boundary(&self.measures, self.arena.rank(), |p| p.n_leaves > n);
-                between(&self.measures, self.arena, [&few, &many], |[_, leaves], _| leaves <= n)
+                let [many, few] = boundary(&self.measures, self.source.rank(), |cost| cost.n_leaves > n);
+                between(&self.measures, &self.source, [&few, &many], |_, with| with.n_leaves <= n)
             }
             _ => self.bounded(goal),
         };
         let mut is_cut = pruning.is_cut;
         if let Some(bound) = total {
-            totals::kept(self.arena, &self.measures.means, &mut is_cut, bound);
+            totals::kept(&self.source, &self.measures.means, &mut is_cut, bound);
         }
         let tree = self.tree(&is_cut);
-        let loss = loss(self.arena, tree.arena());
+        let loss = loss(&self.source, tree.arena());
         match n_leaves {
             Some(asked) if tree.arena().n_leaves() > asked => {
                 Err(ReduceError::Leaves { needed: tree.arena().n_leaves(), asked })
@@ -216,28 +241,37 @@ impl Reduction<'_> {
 
     /// The cheapest tree that keeps the bounds, but for that of totals if there is another one.
     fn bounded(&self, goal: &Goal) -> Pruning {
-        let rank = self.arena.rank();
-        let first = match (goal.l1, goal.rms) {
-            (Some(l1), _) => l1 * self.light,
-            (None, Some(rms)) => rms * rms * self.power,
+        let whole = self.source.whole();
+        let most = match (goal.l1, goal.rms) {
+            (Some(l1), _) => l1 * whole.light * self.scale,
+            (None, Some(rms)) => rms * rms * whole.power * self.scale,
             (None, None) => f64::INFINITY,
         };
-        let [many, few] = boundary(&self.measures, rank, |p| p.error <= first);
-        let pruning = between(&self.measures, self.arena, [&few, &many], |_, [error, _]| error > first);
-        // Errors are kept in 32 bits, and the other bounds are not known of a pruning without its tree.
-        let others = Goal { total: goal.total.filter(|_| first == f64::INFINITY), ..*goal };
-        let is_kept = |p: &Pruning| others.is_kept_by(&loss(self.arena, self.tree(&p.is_cut).arena()));
-        if is_kept(&pruning) {
-            return pruning;
+        let others = Goal { total: goal.total.filter(|_| most == f64::INFINITY), ..*goal };
+        let is_kept = |p: &Pruning| others.is_kept_by(&loss(&self.source, self.tree(&p.is_cut).arena()));
+        // Errors are kept in 32 bits, so the sum may be a little less than it is.
+        for most in [most, most * (1.0 - 1e-6)] {
+            let pruning = self.within(most);
+            if is_kept(&pruning) {
+                return pruning;
+            }
         }
-        let [pruning, _] = boundary(&self.measures, rank, |p| p.error <= first && is_kept(p));
+        // The other bounds are not known of a pruning without its tree.
+        let holds = |p: &Pruning| p.cost.error <= most && is_kept(p);
+        let [pruning, _] = boundary_of_trees(&self.measures, self.source.rank(), holds);
         pruning
+    }
+
+    /// The cheapest tree of an error of at most so much.
+    fn within(&self, most: f64) -> Pruning {
+        let [many, few] = boundary(&self.measures, self.source.rank(), |cost| cost.error <= most);
+        between(&self.measures, &self.source, [&few, &many], |without, _| without.error > most)
     }
 
     /// The tree that is left when branches are cut.
     fn tree(&self, is_cut: &[bool]) -> Tree {
-        let mut builder = TreeBuilder::new(self.arena.rank());
-        let root = self.slot(self.arena.root(), is_cut, &mut builder);
+        let mut builder = TreeBuilder::new(self.source.rank());
+        let root = self.slot(self.source.root(), is_cut, &mut builder);
         Tree::new(builder.finish(root))
     }
 
@@ -246,12 +280,12 @@ impl Reduction<'_> {
             Content::Leaf(_) => slot,
             Content::Node(node) if is_cut[node as usize] => Slot::leaf(self.measures.means[node as usize]),
             Content::Node(node) => {
-                let mut children = [slot; 16];
-                let n = self.arena.rank().n_children();
-                for (made, &child) in children.iter_mut().zip(self.arena.children(node)) {
-                    *made = self.slot(child, is_cut, builder);
+                let mut children = self.source.children(node);
+                let children = &mut children[..self.source.rank().n_children()];
+                for child in children.iter_mut() {
+                    *child = self.slot(*child, is_cut, builder);
                 }
-                builder.node(&children[..n]).expect("a part of a legal tree is legal")
+                builder.node(children).expect("a part of a legal tree is legal")
             }
         }
     }

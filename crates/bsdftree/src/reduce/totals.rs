@@ -5,14 +5,15 @@
 //! what is left of the branch below, in the order of what they contribute to the excess of all cells together, as many as remove it if
 //! what comes instead contributes nothing; and again, until no total differs too much, or nothing is cut there.
 
+use super::source::Source;
 use super::{LEAST_TOTAL, Loss};
 use crate::tree::{Arena, Content, Rank, Slot, Totals, leaf_area};
 
 /// Takes cuts back until the bound holds.
-pub(super) fn kept(arena: &Arena, means: &[f32], is_cut: &mut [bool], bound: f64) {
-    let guard = Guard { arena, means, is_cut, side: 1 << arena.log2_res(), totals: totals(arena) };
+pub(super) fn kept(source: &impl Source, means: &[f32], is_cut: &mut [bool], bound: f64) {
+    let guard = Guard { source, means, is_cut, side: 1 << source.log2_res(), totals: source.totals() };
     let mut differences = vec![0.0; guard.totals.len()];
-    guard.over_cuts(arena.root(), 0, [0; 2], None, &mut |_, at, difference| {
+    guard.over_cuts(source.root(), 0, [0; 2], None, &mut |_, at, difference| {
         at.add(difference, 1.0, &mut differences)
     });
     loop {
@@ -43,9 +44,9 @@ fn excess(difference: f64, total: f64, bound: f64) -> f64 {
 }
 
 /// A loss with the errors of totals.
-pub(super) fn with_totals(loss: Loss, arena: &Arena, reduced: &Arena) -> Loss {
-    let (whole, fine) = (totals(arena), 1 << arena.log2_res());
-    let shift = arena.log2_res() - reduced.log2_res();
+pub(super) fn with_totals(loss: Loss, source: &impl Source, reduced: &Arena) -> Loss {
+    let (whole, fine) = (source.totals(), 1 << source.log2_res());
+    let shift = source.log2_res() - reduced.log2_res();
     let cut = Totals::new(reduced, |_, value| [value]);
     let error = |k: usize| {
         let cell = [k % fine, k / fine].map(|c| (c as u32) >> shift);
@@ -53,7 +54,7 @@ pub(super) fn with_totals(loss: Loss, arena: &Arena, reduced: &Arena) -> Loss {
         (g - whole[k]).abs() / whole[k].max(LEAST_TOTAL)
     };
     // Of rank 3 only one half of the incident cells is read.
-    let read: Vec<usize> = match arena.rank() {
+    let read: Vec<usize> = match source.rank() {
         Rank::Three => (0..(fine / 2).max(1)).collect(),
         Rank::Four => (0..whole.len()).collect(),
     };
@@ -62,20 +63,12 @@ pub(super) fn with_totals(loss: Loss, arena: &Arena, reduced: &Arena) -> Loss {
     Loss {
         mean_total: errors.iter().sum::<f64>() / errors.len() as f64,
         worst_total: errors[worst],
-        worst_at: match arena.rank() {
+        worst_at: match source.rank() {
             Rank::Three => [(worst as f64 + 0.5) / fine as f64, 0.0],
             Rank::Four => [worst % fine, worst / fine].map(|c| (c as f64 + 0.5) / fine as f64),
         },
         ..loss
     }
-}
-
-/// The totals of all finest incident cells, the first dimension fastest.
-fn totals(arena: &Arena) -> Vec<f64> {
-    let n = 1u32 << arena.log2_res();
-    let ny = if arena.rank() == Rank::Four { n } else { 1 };
-    let totals = Totals::new(arena, |_, value| [value]).expect("a tree that is reduced was looked at");
-    (0..ny).flat_map(|y| (0..n).map(move |x| [x, y])).map(|cell| totals.of(cell)[0]).collect()
 }
 
 /// The incident cells that a node stands for.
@@ -107,18 +100,18 @@ impl At {
 /// A cut: the node, where it is, and by how much it changes the total of each of its incident cells.
 type Cut = (u32, At, Vec<f64>);
 
-struct Guard<'a> {
-    arena: &'a Arena,
+struct Guard<'a, S> {
+    source: &'a S,
     means: &'a [f32],
     is_cut: &'a mut [bool],
     side: usize,
     totals: Vec<f64>,
 }
 
-impl Guard<'_> {
+impl<S: Source> Guard<'_, S> {
     fn at(&self, level: u32, cell: [u32; 2]) -> At {
-        let n = 1 << (self.arena.log2_res() - level);
-        At { level, cell, n, side: self.side, rank: self.arena.rank() }
+        let n = 1 << (self.source.log2_res() - level);
+        At { level, cell, n, side: self.side, rank: self.source.rank() }
     }
 
     /// Calls `f` with all cuts below a slot, and with how they change totals; only with those where something is wanted, if that is
@@ -142,15 +135,19 @@ impl Guard<'_> {
             self.subtract(slot, level, cell, at, &mut difference);
             return f(node, at, &difference);
         }
-        for (k, &child) in self.arena.children(node).iter().enumerate() {
+        for (k, child) in self.children(node) {
             self.over_cuts(child, level + 1, self.below(cell, k), wanted, f);
         }
+    }
+
+    fn children(&self, node: u32) -> impl Iterator<Item = (usize, Slot)> + use<S> {
+        self.source.children(node).into_iter().take(self.source.rank().n_children()).enumerate()
     }
 
     /// The incident cell of child k.
     fn below(&self, cell: [u32; 2], k: usize) -> [u32; 2] {
         let bit = |i: usize| (k >> i & 1) as u32;
-        match self.arena.rank() {
+        match self.source.rank() {
             Rank::Three => [cell[0] << 1 | bit(0), 0],
             Rank::Four => [cell[0] << 1 | bit(0), cell[1] << 1 | bit(1)],
         }
@@ -161,7 +158,7 @@ impl Guard<'_> {
         match slot.content() {
             Content::Leaf(value) => {
                 let light = f64::from(value) * leaf_area(level);
-                let n = 1usize << (self.arena.log2_res() - level);
+                let n = 1usize << (self.source.log2_res() - level);
                 let first = [0, 1].map(|axis| cell[axis] as usize * n - of.cell[axis] as usize * of.n);
                 let rows = if of.rank == Rank::Four { n } else { 1 };
                 for y in 0..rows {
@@ -170,7 +167,7 @@ impl Guard<'_> {
                 }
             }
             Content::Node(node) => {
-                for (k, &child) in self.arena.children(node).iter().enumerate() {
+                for (k, child) in self.children(node) {
                     self.subtract(child, level + 1, self.below(cell, k), of, difference);
                 }
             }
@@ -180,7 +177,7 @@ impl Guard<'_> {
     /// The cuts that make most of the excess, as many as remove it.
     fn wanted(&self, mut excess: Vec<f64>) -> Vec<Cut> {
         let mut cuts: Vec<(f64, Cut)> = Vec::new();
-        self.over_cuts(self.arena.root(), 0, [0; 2], Some(&excess), &mut |node, at, difference| {
+        self.over_cuts(self.source.root(), 0, [0; 2], Some(&excess), &mut |node, at, difference| {
             let excessive = at.indices().zip(difference).filter(|&(k, _)| excess[k] != 0.0);
             let score: f64 = excessive.map(|(k, d)| d * excess[k].signum()).sum();
             if score > 0.0 {

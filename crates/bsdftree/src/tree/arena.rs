@@ -14,6 +14,7 @@ use bytemuck::{Pod, Zeroable};
 use thiserror::Error;
 
 use crate::shared::Shared;
+use crate::tree::grid::BadValues;
 use crate::tree::level_order;
 
 /// Deepest subdivision: 2^15 cells per axis.
@@ -108,7 +109,7 @@ impl std::fmt::Debug for Slot {
 pub(crate) struct Line([Slot; 16]);
 
 /// A tree that cannot be built.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum TreeError {
     /// Subdivided more than [`MAX_LOG2_RES`] times.
     #[error(
@@ -126,14 +127,9 @@ pub enum TreeError {
         /// Number of axes expected.
         dimensions: usize,
     },
-    /// A negative, NaN or infinite value.
-    #[error("value {value} at index {index} of the grid is not a finite number ≥ 0")]
-    BadValue {
-        /// Where.
-        index: usize,
-        /// What.
-        value: f32,
-    },
+    /// Negative, infinite or huge values, or such that are not numbers.
+    #[error("{0}")]
+    BadValues(Box<BadValues>),
 }
 
 /// The arena of a finished tree. A copy shares the slots.

@@ -16,6 +16,7 @@ mod slopes;
 mod ramp_totals;
 mod smooth;
 mod walk;
+pub mod grid;
 
 use std::hint::select_unpredictable;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -69,24 +70,6 @@ impl Tree {
     /// One value everywhere.
     pub fn uniform(rank: Rank, value: f32) -> Tree {
         Tree::new(TreeBuilder::new(rank).finish(Slot::leaf(value)))
-    }
-
-    /// A tree of a uniform grid, 2^N cells along each of `rank` axes, row-major; equal neighbours become one leaf.
-    ///
-    /// # Errors
-    /// If the length is not (2^N)^rank, or a value is negative, NaN or infinite.
-    pub fn from_grid(rank: Rank, values: &[f32]) -> Result<Tree, TreeError> {
-        let dimensions = rank.dimensions();
-        let log2 = values.len().checked_ilog2().unwrap_or(0) / dimensions as u32;
-        if values.len() != 1 << (dimensions as u32 * log2) {
-            return Err(TreeError::NotAGrid { len: values.len(), dimensions });
-        }
-        if let Some(index) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-            return Err(TreeError::BadValue { index, value: values[index] });
-        }
-        let mut builder = TreeBuilder::new(rank);
-        let root = builder.grid(values, log2)?;
-        Ok(Tree::new(builder.finish(root)).merged())
     }
 
     /// The tree with nodes whose children are all one value replaced by that value.
