@@ -1,10 +1,27 @@
 //! Scattered BSDF measurements → a variable-resolution BSDF.
 //!
 //! What enters: files of goniophotometers ([`read`]), one scan of exitant directions for each incident direction. What leaves: a
-//! [`Measurement`], and fitted to it trees with an error for each leaf.
+//! [`Measurement`], and fitted to it a [`Model`] of each part.
 
 pub mod measurement;
 pub mod read;
 pub mod write;
 
+mod lambert;
+mod raster;
+mod gridded;
+mod incidence;
+mod frame;
+mod blend;
+mod prepare;
+mod choose;
+mod model;
+mod cells;
+mod tree;
+
+pub use blend::Recipe;
+pub use choose::Score;
+pub use frame::Frame;
+pub use incidence::Blend;
 pub use measurement::{Measurement, Scan, Symmetry};
+pub use model::Model;

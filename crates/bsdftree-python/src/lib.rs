@@ -6,6 +6,7 @@ mod check;
 mod component;
 mod convert;
 mod device;
+mod fit;
 mod from_function;
 mod generate;
 mod layout;
@@ -32,6 +33,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<measurement::Measurement>()?;
     module.add_class::<device::Device>()?;
     module.add_class::<generate::Generation>()?;
+    module.add_class::<fit::Model>()?;
     let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(bsdftree::color::xyz_from_rgb);
     module.add("XYZ_FROM_RGB", [0, 1, 2].map(|row| columns.map(|column| column[row])))?;
     module.add_function(wrap_pyfunction!(device::device_families, module)?)?;

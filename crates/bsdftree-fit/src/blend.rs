@@ -1,0 +1,154 @@
+//! Scans blended between incident directions: logarithms of values along a [`Frame`], with the weights of [`Incidence`].
+//!
+//! f(i,o) = Π_k (f_k(o_k) + ε)^w_k − ε, where o_k is o moved to the incident direction of scan k. With `split`, what is below 1.5 times
+//! the median of a scan is its base, which is blended at fixed directions, and the rest is moved. The half-vector frame blends
+//! f·cos θ_i·cos θ_o.
+
+use rayon::prelude::*;
+
+use crate::frame::{Frame, LEAST_COSINE, Motion};
+use crate::gridded::Gridded;
+use crate::incidence::{Blend, Weights};
+use crate::lambert::{self, Ray};
+use crate::raster::Raster;
+
+/// ε in units of the mean BSDF.
+const EPSILON: f64 = 3e-3;
+
+/// The base of a scan in units of its median.
+const BASE: f32 = 1.5;
+
+/// One way to interpolate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Recipe {
+    /// How directions move.
+    pub frame: Frame,
+    /// How weights go.
+    pub blend: Blend,
+    /// Whether the base stays and only the rest moves.
+    pub split: bool,
+    /// Whether pairs are averaged with swapped pairs.
+    pub reciprocal: bool,
+}
+
+/// Scans made ready for one recipe, one channel.
+#[derive(Clone, Debug)]
+pub(crate) struct Layers {
+    pub recipe: Recipe,
+    incidents: Vec<Ray>,
+    logs: Vec<Raster>,
+    bases: Vec<Raster>,
+    epsilon: f32,
+}
+
+impl Layers {
+    pub fn new(scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
+        let mean = scans.iter().map(|s| s.totals[channel] / std::f64::consts::PI).sum::<f64>() / scans.len() as f64;
+        let epsilon = (EPSILON * mean).max(1e-12) as f32;
+        let half = recipe.frame == Frame::Half;
+        let level = |scan: &Gridded| if recipe.split { BASE * median(&scan.rasters[channel]) } else { 0.0 };
+        let log = |scan: &Gridded| {
+            let base = level(scan);
+            let cosine = if half { scan.incident[2].max(LEAST_COSINE) } else { 1.0 };
+            scan.rasters[channel].map(|d, v| {
+                let rest = (v - base).max(0.0);
+                let rest = if half { rest * cosine * d[2].max(LEAST_COSINE) } else { rest };
+                (rest + epsilon).ln()
+            })
+        };
+        let logs = scans.par_iter().map(log).collect();
+        let base = |scan: &Gridded| {
+            let base = level(scan);
+            scan.rasters[channel].map(|_, v| v.clamp(0.0, base))
+        };
+        let bases = if recipe.split { scans.par_iter().map(base).collect() } else { Vec::new() };
+        Layers { recipe, incidents: scans.iter().map(|s| s.incident).collect(), logs, bases, epsilon }
+    }
+
+    /// All exitant directions for one incident direction.
+    pub fn slice(&self, incident: Ray, weights: &Weights) -> Slice<'_> {
+        let term = |&(k, weight): &(usize, f64)| Term {
+            weight: weight as f32,
+            motion: Motion::new(self.recipe.frame, incident, self.incidents[k]),
+            log: &self.logs[k],
+            base: self.bases.get(k),
+        };
+        let half = self.recipe.frame == Frame::Half;
+        let cosine = if half { Some(incident[2].max(LEAST_COSINE)) } else { None };
+        Slice { terms: weights.iter().map(term).collect(), epsilon: self.epsilon, cosine }
+    }
+}
+
+struct Term<'a> {
+    weight: f32,
+    motion: Motion,
+    log: &'a Raster,
+    base: Option<&'a Raster>,
+}
+
+/// The interpolant for one incident direction.
+pub(crate) struct Slice<'a> {
+    terms: Vec<Term<'a>>,
+    epsilon: f32,
+    cosine: Option<f32>,
+}
+
+/// A value, and how much the scans it is of differ.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Blended {
+    /// \[1/sr\], ≥ 0.
+    pub value: f32,
+    /// Root of the weighted mean square of the differences of logarithms.
+    pub spread: f32,
+}
+
+impl Slice<'_> {
+    /// The value in one direction.
+    #[inline]
+    pub fn value(&self, o: Ray) -> f32 {
+        let (mut log, mut base) = (0.0, 0.0);
+        for term in &self.terms {
+            log += term.weight * term.log.at(lambert::point(term.motion.apply(o)));
+            if let Some(raster) = term.base {
+                base += term.weight * raster.at(lambert::point(o));
+            }
+        }
+        self.finished(log, base, o)
+    }
+
+    /// The value, and how much scans differ there.
+    pub fn blended(&self, o: Ray) -> Blended {
+        let (mut log, mut base) = (0.0, 0.0);
+        let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
+        for term in &self.terms {
+            let here = term.log.at(lambert::point(term.motion.apply(o)));
+            log += term.weight * here;
+            let w = term.weight.abs();
+            sum += w;
+            first += w * here;
+            second += w * here * here;
+            if let Some(raster) = term.base {
+                base += term.weight * raster.at(lambert::point(o));
+            }
+        }
+        let spread = (second / sum - (first / sum).powi(2)).max(0.0).sqrt();
+        Blended { value: self.finished(log, base, o), spread }
+    }
+
+    #[inline(always)]
+    fn finished(&self, log: f32, base: f32, o: Ray) -> f32 {
+        let mut rest = (log.exp() - self.epsilon).max(0.0);
+        if let Some(cosine) = self.cosine {
+            rest /= cosine * o[2].max(LEAST_COSINE);
+        }
+        base.max(0.0) + rest
+    }
+}
+
+fn median(raster: &Raster) -> f32 {
+    let n = raster.n();
+    let mut above: Vec<f32> =
+        Raster::directions(n).zip(raster.values()).filter(|(d, _)| d[2] > 0.0).map(|(_, &v)| v).collect();
+    let middle = above.len() / 2;
+    *above.select_nth_unstable_by(middle, f32::total_cmp).1
+}
