@@ -20,6 +20,7 @@ from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._energyplus import energyplus
 from bsdftree._energyplus_file import save_energyplus
+from bsdftree._fit import Fit, FittedTrees, Recipe, fit
 from bsdftree._generate import generate
 from bsdftree._lobes import save_lobes
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
@@ -39,6 +40,8 @@ __all__ = [
     "Energy",
     "Family",
     "Finding",
+    "Fit",
+    "FittedTrees",
     "Gamut",
     "GenerationReport",
     "Loss",
@@ -50,6 +53,7 @@ __all__ = [
     "Peak",
     "PeakFamily",
     "Reciprocity",
+    "Recipe",
     "Reduction",
     "Resumed",
     "Sample",
@@ -60,6 +64,7 @@ __all__ = [
     "device_families",
     "direction_from_polar",
     "energyplus",
+    "fit",
     "generate",
     "layer_absorptances",
     "load",

@@ -11,6 +11,7 @@ use crate::gridded::Gridded;
 use crate::incidence::{Blend, Weights};
 use crate::lambert::{self, Ray};
 use crate::raster::Raster;
+use crate::residual::Blended;
 
 /// ε in units of the mean BSDF.
 const EPSILON: f64 = 3e-3;
@@ -43,7 +44,8 @@ pub(crate) struct Layers {
 
 impl Layers {
     pub fn new(scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
-        let mean = scans.iter().map(|s| s.totals[channel] / std::f64::consts::PI).sum::<f64>() / scans.len() as f64;
+        let mean =
+            scans.iter().map(|s| s.totals[channel] / std::f64::consts::PI).sum::<f64>() / scans.len() as f64;
         let epsilon = (EPSILON * mean).max(1e-12) as f32;
         let half = recipe.frame == Frame::Half;
         let level = |scan: &Gridded| if recipe.split { BASE * median(&scan.rasters[channel]) } else { 0.0 };
@@ -68,6 +70,7 @@ impl Layers {
     /// All exitant directions for one incident direction.
     pub fn slice(&self, incident: Ray, weights: &Weights) -> Slice<'_> {
         let term = |&(k, weight): &(usize, f64)| Term {
+            scan: k,
             weight: weight as f32,
             motion: Motion::new(self.recipe.frame, incident, self.incidents[k]),
             log: &self.logs[k],
@@ -80,6 +83,7 @@ impl Layers {
 }
 
 struct Term<'a> {
+    scan: usize,
     weight: f32,
     motion: Motion,
     log: &'a Raster,
@@ -91,15 +95,6 @@ pub(crate) struct Slice<'a> {
     terms: Vec<Term<'a>>,
     epsilon: f32,
     cosine: Option<f32>,
-}
-
-/// A value, and how much the scans it is of differ.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Blended {
-    /// \[1/sr\], ≥ 0.
-    pub value: f32,
-    /// Root of the weighted mean square of the differences of logarithms.
-    pub spread: f32,
 }
 
 impl Slice<'_> {
@@ -133,6 +128,11 @@ impl Slice<'_> {
         }
         let spread = (second / sum - (first / sum).powi(2)).max(0.0).sqrt();
         Blended { value: self.finished(log, base, o), spread }
+    }
+
+    /// What scans say at the place that each is looked up at, added up with a function of the weight.
+    pub fn sum(&self, o: Ray, f: impl Fn(f32, usize, [f32; 2]) -> f32) -> f32 {
+        self.terms.iter().map(|t| f(t.weight, t.scan, lambert::point(t.motion.apply(o)))).sum()
     }
 
     #[inline(always)]

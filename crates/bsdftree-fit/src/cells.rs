@@ -65,13 +65,15 @@ impl Cells {
         let n = self.n();
         let (p, q) = (cell / n, cell % n);
         std::array::from_fn(|k| {
-            let at = |c: usize, stratum: usize| (c as f64 + (stratum as f64 + 0.5) / STRATA as f64) / n as f64;
+            let at =
+                |c: usize, stratum: usize| (c as f64 + (stratum as f64 + 0.5) / STRATA as f64) / n as f64;
             disk_from_square([at(p, k / STRATA), at(q, k % STRATA)])
         })
     }
 }
 
-fn upper([x, y]: [f64; 2]) -> Ray {
+/// The direction over a point of the disk.
+pub(crate) fn upper([x, y]: [f64; 2]) -> Ray {
     [x as f32, y as f32, (1.0 - x * x - y * y).max(0.0).sqrt() as f32]
 }
 
@@ -88,6 +90,7 @@ pub(crate) fn mean(level: f32, mut f: impl FnMut(usize, usize) -> f32) -> f32 {
     if high - low <= ROUGH * (0.25 * sum).max(level) {
         return 0.25 * sum;
     }
-    let others = (0..N_POINTS).flat_map(|i| (0..N_POINTS).filter(move |&o| PARTNER[i] != o).map(move |o| (i, o)));
+    let others =
+        (0..N_POINTS).flat_map(|i| (0..N_POINTS).filter(move |&o| PARTNER[i] != o).map(move |o| (i, o)));
     (sum + others.map(|(i, o)| f(i, o)).sum::<f32>()) / (N_POINTS * N_POINTS) as f32
 }

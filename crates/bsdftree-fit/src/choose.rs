@@ -5,11 +5,12 @@
 
 use rayon::prelude::*;
 
-use crate::blend::{Blended, Layers, Recipe};
+use crate::blend::{Layers, Recipe};
 use crate::frame::Frame;
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Incidence, Line, Plane, lambert_radius};
 use crate::lambert;
+use crate::residual::{Residual, relative_l1};
 
 /// Points of a scan that are compared.
 const N_COMPARED: usize = 1500;
@@ -28,15 +29,6 @@ pub struct Score {
     pub worst: f64,
 }
 
-/// A prediction and what was measured there.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Residual {
-    pub predicted: Blended,
-    pub measured: f32,
-    /// Projected solid angle \[sr\].
-    pub weight: f32,
-}
-
 /// The incident directions of scans, without one group.
 pub(crate) fn incidence(scans: &[Gridded], line: bool, blend: Blend, without: Option<usize>) -> Incidence {
     let kept: Vec<usize> = (0..scans.len()).filter(|&k| Some(scans[k].group) != without).collect();
@@ -44,25 +36,25 @@ pub(crate) fn incidence(scans: &[Gridded], line: bool, blend: Blend, without: Op
         let radii: Vec<f64> = kept.iter().map(|&k| lambert_radius(scans[k].incident)).collect();
         Incidence::Line(Line::new(&radii, &kept, blend))
     } else {
-        let points: Vec<[f64; 2]> = kept.iter().map(|&k| lambert::point(scans[k].incident).map(f64::from)).collect();
+        let points: Vec<[f64; 2]> =
+            kept.iter().map(|&k| lambert::point(scans[k].incident).map(f64::from)).collect();
         Incidence::Plane(Plane::new(&points, &kept, blend))
     }
 }
 
+/// The first scan of each group.
+pub(crate) fn one_of_each_group(scans: &[Gridded]) -> impl Iterator<Item = usize> + '_ {
+    (0..scans.len()).filter(|&k| scans[..k].iter().all(|before| before.group != scans[k].group))
+}
+
 /// Scans that lie inside the others, evenly chosen if there are many.
 pub(crate) fn left_out(scans: &[Gridded], line: bool) -> Vec<usize> {
-    let mut seen = Vec::new();
-    let mut inside: Vec<usize> = (0..scans.len())
-        .filter(|&k| {
-            let new = !seen.contains(&scans[k].group);
-            seen.push(scans[k].group);
-            new
-        })
-        .filter(|&k| {
-            let others = scans.iter().filter(|s| s.group != scans[k].group).count();
-            others > 0 && incidence(scans, line, Blend::Linear, Some(scans[k].group)).weights(scans[k].incident).1 < 1e-6
-        })
-        .collect();
+    let is_inside = |&k: &usize| {
+        let group = scans[k].group;
+        let others = scans.iter().any(|scan| scan.group != group);
+        others && incidence(scans, line, Blend::Linear, Some(group)).weights(scans[k].incident).1 < 1e-6
+    };
+    let mut inside: Vec<usize> = one_of_each_group(scans).filter(is_inside).collect();
     if inside.len() > N_LEFT_OUT {
         let step = inside.len() as f64 / N_LEFT_OUT as f64;
         inside = (0..N_LEFT_OUT).map(|k| inside[(k as f64 * step) as usize]).collect();
@@ -76,7 +68,8 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
     let incidence = incidence(scans, line, layers.recipe.blend, Some(scan.group));
     let (weights, _) = incidence.weights(scan.incident);
     let slice = layers.slice(scan.incident, &weights);
-    let values = &scan.values[scan.values.len() / 2];
+    let channel = scan.main();
+    let values = &scan.values[channel];
     let step = scan.exitant.len().div_ceil(N_COMPARED).max(1);
     let mut found: Vec<Residual> = (0..scan.exitant.len())
         .step_by(step)
@@ -87,18 +80,12 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
         })
         .collect();
     // Totals are known from the neighbours, so a prediction is brought to the total that they foresee.
-    let channel = scan.values.len() / 2;
     let total: f64 = weights.iter().map(|&(l, w)| w * scans[l].totals[channel]).sum();
     let mine: f64 = found.iter().map(|r| f64::from(r.predicted.value * r.weight)).sum();
     let theirs: f64 = found.iter().map(|r| f64::from(r.measured * r.weight)).sum();
     let scale = (total / scan.totals[channel] * theirs / mine.max(1e-12)).clamp(0.5, 2.0) as f32;
     found.iter_mut().for_each(|r| r.predicted.value *= scale);
     found
-}
-
-pub(crate) fn relative_l1(residuals: &[Residual]) -> f64 {
-    let sum = |f: &dyn Fn(&Residual) -> f32| residuals.iter().map(|r| f64::from(f(r) * r.weight)).sum::<f64>();
-    sum(&|r| (r.predicted.value - r.measured).abs()) / sum(&|r| r.measured).max(1e-12)
 }
 
 /// The recipes that are tried.
@@ -119,13 +106,17 @@ pub(crate) fn recipes() -> Vec<Recipe> {
 /// Scores of all recipes, best first. Without scans to leave out scores are NaN and the order is that of [`recipes`].
 pub(crate) fn scores(scans: &[Gridded], line: bool, tried: &[Recipe]) -> Vec<Score> {
     let left_out = left_out(scans, line);
-    let channel = scans[0].values.len() / 2;
+    let channel = scans[0].main();
     let score = |&recipe: &Recipe| {
         let layers = Layers::new(scans, channel, recipe);
         let errors: Vec<f64> =
             left_out.par_iter().map(|&k| relative_l1(&residuals(scans, &layers, line, k))).collect();
         let n = errors.len() as f64;
-        Score { recipe, l1: errors.iter().sum::<f64>() / n, worst: errors.iter().copied().fold(f64::NAN, f64::max) }
+        Score {
+            recipe,
+            l1: errors.iter().sum::<f64>() / n,
+            worst: errors.iter().copied().fold(f64::NAN, f64::max),
+        }
     };
     let mut scores: Vec<Score> = tried.iter().map(score).collect();
     scores.sort_by(|a, b| a.l1.total_cmp(&b.l1));

@@ -7,7 +7,9 @@
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::lambert::{self, Ray};
+use crate::prepare::Points;
 use crate::raster::{EXTENT, Raster};
+use crate::residual::{Blended, Residual};
 
 /// Points beyond the horizon that carry values outward.
 const N_GHOSTS: usize = 96;
@@ -22,7 +24,7 @@ pub(crate) struct Gridded {
     pub group: usize,
     /// Measured directions, upper hemisphere.
     pub exitant: Vec<Ray>,
-    /// Values \[1/sr\], one list per channel.
+    /// Values \[1/sr\], one list per channel (after them, perhaps standard errors).
     pub values: Vec<Vec<f32>>,
     /// Projected solid angle of each point \[sr\].
     pub weights: Vec<f32>,
@@ -30,7 +32,14 @@ pub(crate) struct Gridded {
     pub rasters: Vec<Raster>,
     /// Directional-hemispherical total of each channel.
     pub totals: Vec<f64>,
+    /// Whether a pixel lies between measured points: 1, or 0.
+    pub covered: Raster,
+    /// Standard errors over the disk, if there are any.
+    pub noise: Option<Raster>,
 }
+
+/// An edge of a triangle longer than this is a hole in what was measured \[disk\]: 25° around the normal.
+const HOLE: f64 = 0.3;
 
 struct Vertex {
     position: Point2<f64>,
@@ -51,18 +60,22 @@ type Corner = (Point2<f64>, usize, bool);
 
 impl Gridded {
     /// Lays values over `n` × `n` pixels. Points are distinct (see [`distinct`]) and there is at least one.
-    pub fn new(incident: Ray, group: usize, exitant: Vec<Ray>, values: Vec<Vec<f32>>, n: usize) -> Gridded {
+    pub fn new(points: Points, n: usize) -> Gridded {
+        let Points { incident, group, exitant, values, noisy } = points;
         let triangles = triangles(&exitant);
         let n_channels = values.len();
         let mut rasters = vec![vec![0f32; n * n]; n_channels];
         let mut filled = vec![false; n * n];
+        let mut covered = vec![0f32; n * n];
         let mut weights = vec![0f64; exitant.len()];
         let pixel = (2.0 * f64::from(EXTENT) / n as f64).powi(2) * lambert::SOLID_ANGLE;
         for corners in &triangles {
+            let covers = f32::from(u8::from(is_between_points(corners)));
             over_pixels(corners, n, |k, shares| {
                 if std::mem::replace(&mut filled[k], true) {
                     return;
                 }
+                covered[k] = covers;
                 for (raster, values) in rasters.iter_mut().zip(&values) {
                     raster[k] = corners.iter().zip(shares).map(|(c, s)| values[c.1] * s as f32).sum();
                 }
@@ -76,14 +89,44 @@ impl Gridded {
         let weights: Vec<f32> = weights.into_iter().map(|w| w as f32).collect();
         let total = |v: &Vec<f32>| v.iter().zip(&weights).map(|(&v, &w)| f64::from(v) * f64::from(w)).sum();
         let totals = values.iter().map(total).collect();
-        let rasters = rasters.into_iter().map(|values| Raster::new(n, values)).collect();
-        Gridded { incident, group, exitant, values, weights, rasters, totals }
+        let mut rasters: Vec<Raster> = rasters.into_iter().map(|values| Raster::new(n, values)).collect();
+        let noise = if noisy { rasters.pop() } else { None };
+        let covered = Raster::new(n, covered);
+        Gridded { incident, group, exitant, values, weights, rasters, totals, covered, noise }
     }
 
-    /// The scan seen by who turns the sample by `angle` about its normal.
-    pub fn peak(&self) -> f32 {
-        self.values[self.values.len() / 2].iter().fold(0.0, |a, &b| a.max(b))
+    /// The channel that choices are made by: Y of X, Y, Z.
+    pub fn main(&self) -> usize {
+        self.rasters.len() / 2
     }
+
+    /// Every fifth point predicted from the others, where those surround it: how far off triangles are.
+    pub fn held_out(&self) -> Vec<Residual> {
+        let channel = self.main();
+        let (kept, left): (Vec<usize>, Vec<usize>) = (0..self.exitant.len()).partition(|k| k % 5 != 2);
+        let values = kept.iter().map(|&k| self.values[channel][k]).collect();
+        let exitant = kept.iter().map(|&k| self.exitant[k]).collect();
+        let (incident, group) = (self.incident, self.group);
+        let points = Points { incident, group, exitant, values: vec![values], noisy: false };
+        let fewer = Gridded::new(points, self.rasters[0].n());
+        let inside = left.into_iter().filter(|&k| fewer.covered.at(lambert::point(self.exitant[k])) > 0.99);
+        inside
+            .map(|k| Residual {
+                predicted: Blended {
+                    value: fewer.rasters[0].at(lambert::point(self.exitant[k])),
+                    spread: 0.0,
+                },
+                measured: self.values[channel][k],
+                weight: self.weights[k],
+            })
+            .collect()
+    }
+}
+
+fn is_between_points(corners: &[Corner; 3]) -> bool {
+    let edge = |a: &Corner, b: &Corner| (a.0.x - b.0.x).hypot(a.0.y - b.0.y);
+    let [a, b, c] = corners;
+    corners.iter().all(|corner| !corner.2) && [edge(a, b), edge(b, c), edge(c, a)].iter().all(|&l| l < HOLE)
 }
 
 fn triangles(exitant: &[Ray]) -> Vec<[Corner; 3]> {

@@ -232,7 +232,8 @@ fn thin_plate(nodes: &[[f64; 2]]) -> Option<Vec<f64>> {
 fn inverted(mut a: Vec<f64>, m: usize) -> Option<Vec<f64>> {
     let mut inverse: Vec<f64> = (0..m * m).map(|k| f64::from(u8::from(k / m == k % m))).collect();
     for column in 0..m {
-        let pivot = (column..m).max_by(|&i, &j| a[i * m + column].abs().total_cmp(&a[j * m + column].abs()))?;
+        let pivot =
+            (column..m).max_by(|&i, &j| a[i * m + column].abs().total_cmp(&a[j * m + column].abs()))?;
         if a[pivot * m + column].abs() < 1e-12 {
             return None;
         }
@@ -286,7 +287,12 @@ fn hull(nodes: &[[f64; 2]]) -> Vec<[f64; 2]> {
         }
         hull.pop();
     }
-    if hull.is_empty() { sorted.truncate(1); sorted } else { hull }
+    if hull.is_empty() {
+        sorted.truncate(1);
+        sorted
+    } else {
+        hull
+    }
 }
 
 fn nearest_in_hull(hull: &[[f64; 2]], p: [f64; 2]) -> ([f64; 2], f64) {
@@ -316,7 +322,14 @@ mod tests {
         let scans: Vec<usize> = (0..6).collect();
         for blend in [Blend::Spline, Blend::Linear] {
             let plane = Plane::new(&nodes, &scans, blend);
-            let at = |p: [f64; 2]| plane.weights(p).0.iter().map(|&(k, w)| w * (1.0 + nodes[k][0] - 2.0 * nodes[k][1])).sum::<f64>();
+            let at = |p: [f64; 2]| {
+                plane
+                    .weights(p)
+                    .0
+                    .iter()
+                    .map(|&(k, w)| w * (1.0 + nodes[k][0] - 2.0 * nodes[k][1]))
+                    .sum::<f64>()
+            };
             assert!((at([0.1, 0.1]) - 0.9).abs() < 1e-3, "{blend:?}");
             assert!((plane.weights([0.5, 0.0]).0[0].1 - 1.0).abs() < 1e-6);
         }

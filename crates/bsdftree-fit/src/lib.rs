@@ -9,19 +9,25 @@ pub mod write;
 
 mod lambert;
 mod raster;
+mod residual;
 mod gridded;
 mod incidence;
 mod frame;
 mod blend;
 mod prepare;
 mod choose;
+mod symmetry;
+mod uncertainty;
 mod model;
 mod cells;
 mod tree;
+mod fit;
 
 pub use blend::Recipe;
 pub use choose::Score;
+pub use fit::{Fit, FitError, Made, Options, Progress};
 pub use frame::Frame;
 pub use incidence::Blend;
 pub use measurement::{Measurement, Scan, Symmetry};
 pub use model::Model;
+pub use symmetry::SymmetryFound;

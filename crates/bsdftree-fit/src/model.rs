@@ -9,9 +9,10 @@ use crate::choose::{self, Score};
 use crate::gridded::Gridded;
 use crate::incidence::{Incidence, Weights};
 use crate::lambert::{self, Ray};
-use crate::measurement::{Measurement, Symmetry};
-use crate::prepare;
+use crate::measurement::Symmetry;
+use crate::prepare::{self, Points};
 use crate::raster::Raster;
+use crate::uncertainty::Uncertainty;
 
 /// Nodes of an edge of the table of scales.
 const N_SCALES: usize = 33;
@@ -34,20 +35,29 @@ pub struct Model {
     layers: Vec<Layers>,
     /// What brings slices to the totals that were measured, by incident direction, one per channel.
     scales: Vec<Vec<f32>>,
+    uncertainty: Uncertainty,
 }
 
 impl Model {
-    /// Fits one part with the recipe of the least cross-validated error among `tried` (all if empty).
-    pub fn new(measurement: &Measurement, part: Part, symmetry: Symmetry, tried: &[Recipe]) -> Model {
-        let scans = prepare::gridded(prepare::symmetric(prepare::points_of(measurement, part), symmetry));
+    /// Fits one part with the recipe of the least cross-validated error among those tried.
+    pub(crate) fn new(
+        points: Vec<Points>,
+        part: Part,
+        symmetry: Symmetry,
+        tried: &[Recipe],
+        n_channels: usize,
+    ) -> Model {
+        let scans = prepare::gridded(prepare::symmetric(points, symmetry));
         let line = symmetry == Symmetry::Isotropic;
-        let all = choose::recipes();
-        let scores = choose::scores(&scans, line, if tried.is_empty() { &all } else { tried });
+        let scores = choose::scores(&scans, line, tried);
         let recipe = scores[0].recipe;
         let incidence = choose::incidence(&scans, line, recipe.blend, None);
-        let layers = (0..measurement.n_channels).map(|c| Layers::new(&scans, c, recipe)).collect();
-        let mut model = Model { part, symmetry, scores, scans, incidence, layers, scales: Vec::new() };
-        model.scales = (0..measurement.n_channels).map(|c| model.table_of_scales(c)).collect();
+        let layers = (0..n_channels).map(|c| Layers::new(&scans, c, recipe)).collect();
+        let layers: Vec<Layers> = layers;
+        let uncertainty = Uncertainty::new(&scans, &layers[scans[0].main()], line);
+        let mut model =
+            Model { part, symmetry, scores, scans, incidence, layers, scales: Vec::new(), uncertainty };
+        model.scales = (0..n_channels).map(|c| model.table_of_scales(c)).collect();
         model
     }
 
@@ -56,28 +66,19 @@ impl Model {
         self.layers[0].recipe
     }
 
-    /// Number of channels.
-    pub fn n_channels(&self) -> usize {
-        self.layers.len()
+    /// Pixels of an edge of scans laid over disks, as a power of two.
+    pub(crate) fn log2_pixels(&self) -> u32 {
+        self.scans[0].covered.n().ilog2()
     }
 
     fn is_line(&self) -> bool {
         self.symmetry == Symmetry::Isotropic
     }
 
-    /// Turned so that an isotropic sample's incident direction lies where its scans do.
-    fn turned(&self, incident: Ray, exitant: Ray) -> (Ray, Ray) {
-        if !self.is_line() {
-            return (incident, exitant);
-        }
-        let [x, y, z] = incident;
+    /// Cosine and sine of the turn that brings an isotropic sample's incident direction to where its scans are; of others none.
+    pub(crate) fn turn(&self, [x, y, _]: Ray) -> [f32; 2] {
         let r = x.hypot(y);
-        if r < 1e-7 {
-            return (incident, exitant);
-        }
-        let (c, s) = (-x / r, -y / r);
-        let [u, v, w] = exitant;
-        ([-r, 0.0, z], [c * u + s * v, c * v - s * u, w])
+        if self.is_line() && r > 1e-7 { [-x / r, -y / r] } else { [1.0, 0.0] }
     }
 
     /// The total of a channel that neighbours foresee.
@@ -139,26 +140,62 @@ impl Model {
 
     /// BSDF \[1/sr\] for pairs of directions, one channel. Pairs on other sides than the part's are 0.
     pub fn eval(&self, channel: usize, incident: &[Direction], exitant: &[Direction]) -> Vec<f64> {
-        let chunk = 2048;
-        let pairs = incident.par_chunks(chunk).zip(exitant.par_chunks(chunk));
-        pairs.flat_map_iter(|(i, o)| self.eval_chunk(channel, i, o)).collect()
+        self.each(incident, exitant, |i| {
+            let (slice, scale) = (self.slice(channel, i).0, self.scale(channel, i));
+            move |o| f64::from(slice.value(o) * scale)
+        })
     }
 
-    fn eval_chunk(&self, channel: usize, incident: &[Direction], exitant: &[Direction]) -> Vec<f64> {
-        let mut last: Option<(Ray, Slice<'_>, f32)> = None;
-        let mut values = Vec::with_capacity(incident.len());
-        for (&i, &o) in incident.iter().zip(exitant) {
-            if Part::between(Side::of(i), Side::of(o)) != self.part {
-                values.push(0.0);
-                continue;
-            }
-            let (i, o) = self.turned(lambert::upper(i), lambert::upper(o));
-            if last.as_ref().is_none_or(|(at, _, _)| *at != i) {
-                last = Some((i, self.slice(channel, i).0, self.scale(channel, i)));
-            }
-            let (_, slice, scale) = last.as_ref().expect("just set");
-            values.push(f64::from(slice.value(o) * scale));
-        }
-        values
+    /// Standard errors \[1/sr\] of what [`Model::eval`] gives of the main channel.
+    pub fn error(&self, incident: &[Direction], exitant: &[Direction]) -> Vec<f64> {
+        self.each(incident, exitant, |i| self.error_slice(i))
     }
+
+    /// Standard errors for one incident direction.
+    pub(crate) fn error_slice(&self, incident: Ray) -> impl Fn(Ray) -> f64 + '_ {
+        let channel = self.scans[0].main();
+        let (weights, outside) = self.incidence.weights(incident);
+        let (slice, scale) = (self.layers[channel].slice(incident, &weights), self.scale(channel, incident));
+        move |o| {
+            let mut blended = slice.blended(o);
+            blended.value *= scale;
+            let covered = slice.sum(o, |w, k, p| w * self.scans[k].covered.at(p)).clamp(0.0, 1.0);
+            let noise2 =
+                slice.sum(o, |w, k, p| self.scans[k].noise.as_ref().map_or(0.0, |n| (w * n.at(p)).powi(2)));
+            self.uncertainty.error(blended, outside, covered, f64::from(noise2.sqrt() * scale))
+        }
+    }
+
+    /// A function of each incident direction and then of each exitant one.
+    fn each<F: Fn(Ray) -> f64>(
+        &self,
+        incident: &[Direction],
+        exitant: &[Direction],
+        at: impl Fn(Ray) -> F + Sync,
+    ) -> Vec<f64> {
+        let chunk = |(incident, exitant): (&[Direction], &[Direction])| {
+            let mut last: Option<(Ray, F)> = None;
+            let value = |(&i, &o): (&Direction, &Direction)| {
+                if Part::between(Side::of(i), Side::of(o)) != self.part {
+                    return 0.0;
+                }
+                let (i, o) = (lambert::upper(i), lambert::upper(o));
+                let turn = self.turn(i);
+                let (i, o) = (turned(i, turn), turned(o, turn));
+                if last.as_ref().is_none_or(|(before, _)| *before != i) {
+                    last = Some((i, at(i)));
+                }
+                last.as_ref().expect("just set").1(o)
+            };
+            incident.iter().zip(exitant).map(value).collect::<Vec<f64>>()
+        };
+        const CHUNK: usize = 2048;
+        incident.par_chunks(CHUNK).zip(exitant.par_chunks(CHUNK)).flat_map_iter(chunk).collect()
+    }
+}
+
+/// A direction turned back by the angle of this cosine and sine.
+#[inline(always)]
+pub(crate) fn turned([x, y, z]: Ray, [c, s]: [f32; 2]) -> Ray {
+    [c * x + s * y, c * y - s * x, z]
 }

@@ -1,7 +1,7 @@
 //! Scans of one part → numbers over the disk, copied by symmetry.
 
+use bsdftree::Part;
 use bsdftree::direction::Side;
-use bsdftree::{Direction, Part};
 use rayon::prelude::*;
 
 use crate::gridded::{Gridded, distinct};
@@ -20,13 +20,15 @@ pub(crate) struct Points {
     pub incident: Ray,
     pub group: usize,
     pub exitant: Vec<Ray>,
-    /// One list per channel.
+    /// One list per channel, and with `noisy` one of standard errors of the main channel.
     pub values: Vec<Vec<f32>>,
+    pub noisy: bool,
 }
 
 /// The scans of a part.
 pub(crate) fn points_of(measurement: &Measurement, part: Part) -> Vec<Points> {
     let n = measurement.n_channels;
+    let noisy = measurement.scans.iter().any(|scan| !scan.errors.is_empty());
     let mut all = Vec::new();
     for (group, scan) in measurement.scans.iter().enumerate() {
         if Side::of(scan.incident) != part.incident_side() {
@@ -39,8 +41,12 @@ pub(crate) fn points_of(measurement: &Measurement, part: Part) -> Vec<Points> {
         }
         let exitant = here.iter().map(|&k| lambert::upper(scan.exitant[k])).collect();
         let channel = |c: usize| here.iter().map(|&k| scan.values[k * n + c].max(0.0) as f32).collect();
-        let values = (0..n).map(channel).collect();
-        all.push(Points { incident: lambert::upper(scan.incident), group, exitant, values });
+        let mut values: Vec<Vec<f32>> = (0..n).map(channel).collect();
+        if noisy {
+            let error = |&k: &usize| scan.errors.get(k * n + n / 2).map_or(0.0, |&e| e as f32);
+            values.push(here.iter().map(error).collect());
+        }
+        all.push(Points { incident: lambert::upper(scan.incident), group, exitant, values, noisy });
     }
     all
 }
@@ -81,7 +87,7 @@ fn copied(scans: Vec<Points>, image: impl Fn(Ray) -> Ray) -> Vec<Points> {
             scan.values.iter_mut().for_each(|v| v.extend_from_within(..));
             all.push(scan);
         } else {
-            let copy = Points { incident, exitant, group: scan.group, values: scan.values.clone() };
+            let copy = Points { incident, exitant, ..scan.clone() };
             all.extend([scan, copy]);
         }
     }
@@ -89,7 +95,7 @@ fn copied(scans: Vec<Points>, image: impl Fn(Ray) -> Ray) -> Vec<Points> {
 }
 
 /// Scans of one incident direction become one.
-fn merged(scans: Vec<Points>) -> Vec<Points> {
+pub(crate) fn merged(scans: Vec<Points>) -> Vec<Points> {
     let mut all: Vec<Points> = Vec::new();
     for scan in scans {
         match all.iter_mut().find(|other| distance(other.incident, scan.incident) < SAME) {
@@ -115,7 +121,7 @@ pub(crate) fn gridded(scans: Vec<Points>) -> Vec<Gridded> {
     };
     let scans: Vec<Points> = scans.into_par_iter().map(made_distinct).collect();
     let n = resolution(&scans);
-    scans.into_par_iter().map(|s| Gridded::new(s.incident, s.group, s.exitant, s.values, n)).collect()
+    scans.into_par_iter().map(|s| Gridded::new(s, n)).collect()
 }
 
 /// Pixels so that the closest tenth of all points lie two pixels apart.
@@ -151,9 +157,4 @@ fn nearest_gaps(scan: &Points) -> Vec<f32> {
         best.sqrt()
     };
     (0..points.len()).map(gap).collect()
-}
-
-/// A direction mirrored to where all sides are compared, as [`Points`] has them.
-pub(crate) fn ray(direction: Direction) -> Ray {
-    lambert::upper(direction)
 }

@@ -1,67 +1,144 @@
-//! Measurements fitted, arrays in and out.
+//! Measurements fitted.
 
-use bsdftree::Part;
-use bsdftree_fit::{Blend, Frame, Measurement, Model as Fitted, Recipe, Scan, Symmetry};
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use bsdftree_fit::{Blend, Fit as Fitted, Frame, Options, Progress, Score, Symmetry};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::arrays::{Directions, directions};
+use crate::bsdf::Bsdf;
+use crate::component::rank;
+use crate::convert::made;
+use crate::measurement::{Measurement, one_of, symmetry_of};
 use crate::value_error;
 
-type ScanArrays<'py> = ([f64; 3], PyReadonlyArray2<'py, f64>, PyReadonlyArray1<'py, f64>);
-
-/// One part fitted.
+/// A measurement fitted.
 #[pyclass(frozen, module = "bsdftree._core")]
-pub struct Model(Fitted);
+pub struct Fit(Arc<Fitted>);
 
-fn frame_name(recipe: Recipe) -> (String, bool, bool, bool) {
-    (recipe.frame.name().to_owned(), recipe.blend == Blend::Spline, recipe.split, recipe.reciprocal)
+/// Frame, blend, whether the base stays, whether pairs are averaged with swapped pairs; mean and worst error.
+type ScoreOut = (&'static str, &'static str, bool, bool, f64, f64);
+
+fn score_out(score: &Score) -> ScoreOut {
+    let blend = match score.recipe.blend {
+        Blend::Spline => "spline",
+        Blend::Linear => "linear",
+    };
+    (score.recipe.frame.name(), blend, score.recipe.split, score.recipe.reciprocal, score.l1, score.worst)
+}
+
+/// Fits a measurement.
+#[pyfunction]
+#[pyo3(signature = (measurement, *, symmetry, frame))]
+pub fn fit(
+    py: Python<'_>,
+    measurement: &Measurement,
+    symmetry: Option<&str>,
+    frame: Option<&str>,
+) -> PyResult<Fit> {
+    let options = Options {
+        symmetry: symmetry.map(symmetry_of).transpose()?,
+        frame: frame.map(|name| one_of("frame", name, &Frame::ALL, Frame::name)).transpose()?,
+    };
+    let measurement = Arc::clone(&measurement.0);
+    let fitted = watched(py, &Progress::default(), None, |_| Fitted::new(&measurement, &options))?;
+    Ok(Fit(Arc::new(fitted.map_err(value_error)?)))
 }
 
 #[pymethods]
-impl Model {
-    #[new]
-    #[pyo3(signature = (scans, part, symmetry, tried=Vec::new()))]
-    fn new(scans: Vec<ScanArrays<'_>>, part: &str, symmetry: &str, tried: Vec<(String, bool, bool, bool)>) -> PyResult<Model> {
-        let part = Part::ALL.into_iter().find(|p| p.key() == part).ok_or_else(|| value_error("no such part"))?;
-        let symmetry = match symmetry {
-            "isotropic" => Symmetry::Isotropic,
-            "quadrilateral" => Symmetry::Quadrilateral,
-            "x" => Symmetry::BilateralX,
-            "y" => Symmetry::BilateralY,
-            _ => Symmetry::Anisotropic,
-        };
-        let mut measurement = Measurement { n_channels: 1, ..Measurement::default() };
-        for (incident, exitant, values) in &scans {
-            measurement.scans.push(Scan {
-                incident: *incident,
-                exitant: directions(exitant, "exitant")?.to_vec(),
-                values: values.as_slice()?.to_vec(),
-                ..Scan::default()
-            });
-        }
-        let recipe = |(frame, spline, split, reciprocal): (String, bool, bool, bool)| Recipe {
-            frame: Frame::ALL.into_iter().find(|f| f.name() == frame).unwrap_or(Frame::Fixed),
-            blend: if spline { Blend::Spline } else { Blend::Linear },
-            split,
-            reciprocal,
-        };
-        let tried: Vec<Recipe> = tried.into_iter().map(recipe).collect();
-        Ok(Model(Fitted::new(&measurement, part, symmetry, &tried)))
-    }
-
+impl Fit {
     fn eval<'py>(
         &self,
         py: Python<'py>,
         incident: Directions<'_>,
         exitant: Directions<'_>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (incident, exitant) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
-        let values = py.detach(|| self.0.eval(0, incident, exitant));
-        Ok(PyArray1::from_vec(py, values))
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
+        let n = self.0.n_channels();
+        let channels: Vec<Vec<f64>> =
+            py.detach(|| (0..n).map(|channel| self.0.eval(channel, i, o)).collect());
+        let rows = (0..i.len()).flat_map(|k| channels.iter().map(move |c| c[k])).collect();
+        PyArray1::from_vec(py, rows).reshape([i.len(), n])
     }
 
-    fn scores(&self) -> Vec<((String, bool, bool, bool), f64, f64)> {
-        self.0.scores.iter().map(|s| (frame_name(s.recipe), s.l1, s.worst)).collect()
+    fn error<'py>(
+        &self,
+        py: Python<'py>,
+        incident: Directions<'_>,
+        exitant: Directions<'_>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (i, o) = (directions(&incident, "incident")?, directions(&exitant, "exitant")?);
+        Ok(PyArray1::from_vec(py, py.detach(|| self.0.error(i, o))))
     }
+
+    /// Trees and their errors; what is not given is chosen.
+    #[pyo3(signature = (*, rank, log2_res, tolerance, progress))]
+    fn bsdf(
+        &self,
+        py: Python<'_>,
+        rank: Option<usize>,
+        log2_res: Option<u32>,
+        tolerance: Option<f64>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<(Bsdf, Bsdf)> {
+        let rank = rank.map(self::rank).transpose()?.unwrap_or(self.0.rank());
+        let log2_res = log2_res.unwrap_or_else(|| self.0.log2_res(rank));
+        let tolerance = tolerance.unwrap_or_else(|| self.0.tolerance());
+        let shared = Progress::default();
+        let trees = watched(py, &shared, progress, |p| self.0.made(rank, log2_res, tolerance, p))?
+            .map_err(value_error)?;
+        Ok((made(trees.bsdf), made(trees.errors)))
+    }
+
+    /// Name, reason, and cross-validated error of each symmetry that was tried.
+    fn symmetry(&self) -> (&'static str, String, Vec<(&'static str, f64)>) {
+        let found = &self.0.symmetry;
+        (
+            found.symmetry.name(),
+            found.why.clone(),
+            found.errors.iter().map(|&(s, e)| (Symmetry::name(s), e)).collect(),
+        )
+    }
+
+    /// By part, best first.
+    fn scores(&self) -> Vec<(&'static str, Vec<ScoreOut>)> {
+        self.0.scores().map(|(part, scores)| (part.key(), scores.iter().map(score_out).collect())).collect()
+    }
+
+    /// Rank, resolution and tolerance that are chosen where none are given.
+    fn chosen(&self) -> (usize, u32, f64) {
+        let rank = self.0.rank();
+        (rank.dimensions(), self.0.log2_res(rank), self.0.tolerance())
+    }
+}
+
+/// Runs `work` on a thread of its own, tells `callback` (done, total) meanwhile, and stops it if that or Ctrl-C raises.
+fn watched<T: Send>(
+    py: Python<'_>,
+    progress: &Progress,
+    callback: Option<Bound<'_, PyAny>>,
+    work: impl FnOnce(&Progress) -> T + Send,
+) -> PyResult<T> {
+    std::thread::scope(|scope| {
+        let worker = scope.spawn(|| work(progress));
+        let mut raised = None;
+        while !worker.is_finished() {
+            py.detach(|| std::thread::sleep(Duration::from_millis(20)));
+            let counts = || (progress.done.load(Ordering::Relaxed), progress.total.load(Ordering::Relaxed));
+            let told = py.check_signals().and_then(|()| match &callback {
+                Some(callback) => callback.call1(counts()).map(drop),
+                None => Ok(()),
+            });
+            if let Err(error) = told {
+                progress.stop.store(true, Ordering::Relaxed);
+                raised = Some(error);
+                break;
+            }
+        }
+        let done = py.detach(|| worker.join()).unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        raised.map_or(Ok(done), Err)
+    })
 }

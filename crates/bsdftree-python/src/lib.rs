@@ -33,7 +33,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<measurement::Measurement>()?;
     module.add_class::<device::Device>()?;
     module.add_class::<generate::Generation>()?;
-    module.add_class::<fit::Model>()?;
+    module.add_class::<fit::Fit>()?;
+    module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(bsdftree::color::xyz_from_rgb);
     module.add("XYZ_FROM_RGB", [0, 1, 2].map(|row| columns.map(|column| column[row])))?;
     module.add_function(wrap_pyfunction!(device::device_families, module)?)?;

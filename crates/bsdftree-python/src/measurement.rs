@@ -166,7 +166,7 @@ fn format_of(name: &str) -> PyResult<Format> {
     one_of("format", name, &Format::ALL, Format::name)
 }
 
-fn symmetry_of(name: &str) -> PyResult<Symmetry> {
+pub fn symmetry_of(name: &str) -> PyResult<Symmetry> {
     one_of("symmetry", name, &Symmetry::ALL, Symmetry::name)
 }
 
@@ -178,7 +178,7 @@ fn side_of(name: &str) -> PyResult<Side> {
 }
 
 /// What is called so, or an error that names all there are.
-fn one_of<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> PyResult<T> {
+pub fn one_of<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> PyResult<T> {
     all.iter().copied().find(|&one| name_of(one) == name).ok_or_else(|| {
         let names: Vec<String> = all.iter().map(|&one| format!("{:?}", name_of(one))).collect();
         value_error(format!("{what} {name:?}; expected one of {}", names.join(", ")))

@@ -37,7 +37,8 @@ pub use merge::merge;
 pub use stack::{MAX_STACK_LOG2_RES, StackDomain, default_domain, stack};
 pub use symmetry::Mirror;
 pub(crate) use symmetry::{mirrored, permuted, quarter_turned};
-pub(crate) use xyz::{channels, combined, from_channels};
+pub use xyz::from_channels;
+pub(crate) use xyz::{channels, combined};
 
 use crate::bsdf::{Band, Bsdf, Component, Part, Scattering};
 use crate::klems::Basis;

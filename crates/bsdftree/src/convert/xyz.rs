@@ -31,8 +31,11 @@ pub(crate) fn channels(component: &Component) -> Result<Option<[Scattering; 3]>,
     })
 }
 
-/// A component of X, Y and Z.
-pub(crate) fn from_channels([x, y, z]: [Scattering; 3]) -> Result<Component, TreeError> {
+/// A component of CIE X, Y and Z.
+///
+/// # Errors
+/// If trees are too large.
+pub fn from_channels([x, y, z]: [Scattering; 3]) -> Result<Component, TreeError> {
     let chroma = match (&x, &y, &z) {
         (Scattering::Tree(x), Scattering::Tree(y), Scattering::Tree(z)) => {
             let uv = |k: usize| combined([x, y, z], &move |xyz: [f64; 3]| uv_from_xyz(xyz)[k]);

@@ -1,0 +1,179 @@
+//! Which symmetry a measurement has.
+//!
+//! A symmetry is copies of scans. If it holds, copies help to predict scans that are left out; if it does not, they spoil the prediction. So
+//! the highest symmetry is taken whose cross-validated error is not above that of the scans alone. Where incident directions lie on one
+//! azimuth or in one quadrant, nothing can be left out that copies would predict: the symmetry that makes the measurement whole is assumed,
+//! as Radiance's pabopto2bsdf assumes it, if scans are the mirror images of themselves that it asks for.
+
+use crate::blend::{Layers, Recipe};
+use crate::choose;
+use crate::frame::Frame;
+use crate::gridded::Gridded;
+use crate::incidence::Blend;
+use crate::lambert::{self, Ray};
+use crate::measurement::Symmetry;
+use crate::prepare::{self, Points};
+use crate::residual::relative_l1;
+
+/// A higher symmetry is taken if errors rise by no more than this factor, or this much.
+const TOLERATED: (f64, f64) = (1.05, 0.002);
+
+/// A scan is its own image if they differ by no more than this many times what neighbouring points do, or this much.
+const SAME_IMAGE: (f64, f64) = (2.0, 0.02);
+
+/// Fewest scans that cross-validation needs.
+const N_NEEDED: usize = 4;
+
+/// The symmetry of a sample, and why.
+#[derive(Clone, Debug)]
+pub struct SymmetryFound {
+    /// That is used.
+    pub symmetry: Symmetry,
+    /// A sentence.
+    pub why: String,
+    /// Cross-validated relative L1 error with each symmetry that was tried.
+    pub errors: Vec<(Symmetry, f64)>,
+}
+
+/// Finds it out from the scans of each part.
+pub(crate) fn found(parts: &[Vec<Points>]) -> SymmetryFound {
+    let alone: Vec<Vec<Gridded>> =
+        parts.iter().map(|scans| prepare::gridded(prepare::merged(scans.clone()))).collect();
+    if parts.iter().any(|scans| !is_spread(scans)) {
+        return assumed(parts, &alone);
+    }
+    let judged: Vec<Vec<usize>> = alone
+        .iter()
+        .map(|scans| choose::left_out(scans, false).into_iter().map(|k| scans[k].group).collect())
+        .collect();
+    if judged.iter().any(|groups: &Vec<usize>| groups.len() < N_NEEDED) {
+        return assumed(parts, &alone);
+    }
+    let error = |symmetry: Symmetry| {
+        let each = parts.iter().zip(&judged).map(|(scans, groups)| {
+            let scans = prepare::gridded(prepare::symmetric(scans.clone(), symmetry));
+            error_of(&scans, symmetry == Symmetry::Isotropic, groups)
+        });
+        each.sum::<f64>() / parts.len() as f64
+    };
+    let errors: Vec<(Symmetry, f64)> = Symmetry::ALL.into_iter().map(|s| (s, error(s))).collect();
+    let limit = errors[0].1 * TOLERATED.0 + TOLERATED.1;
+    let turns = alone.iter().flatten().all(looks_the_same_turned);
+    let holds =
+        |&&(symmetry, error): &&(Symmetry, f64)| error <= limit && (symmetry != Symmetry::Isotropic || turns);
+    let (symmetry, error) = *errors.iter().rev().find(holds).unwrap_or(&errors[0]);
+    let why = format!(
+        "with its copies scans are predicted to {:.1} %, without to {:.1} %",
+        100.0 * error,
+        100.0 * errors[0].1
+    );
+    SymmetryFound { symmetry, why, errors }
+}
+
+/// The least error of a few recipes on the scans of some groups.
+fn error_of(scans: &[Gridded], line: bool, groups: &[usize]) -> f64 {
+    let judged: Vec<usize> =
+        choose::one_of_each_group(scans).filter(|&k| groups.contains(&scans[k].group)).collect();
+    let error = |frame: Frame| {
+        let recipe = Recipe { frame, blend: Blend::Spline, split: false, reciprocal: false };
+        let layers = Layers::new(scans, scans[0].main(), recipe);
+        let each = judged.iter().map(|&k| relative_l1(&choose::residuals(scans, &layers, line, k)));
+        each.sum::<f64>() / judged.len() as f64
+    };
+    Frame::ALL.into_iter().map(error).fold(f64::MAX, f64::min)
+}
+
+/// Whether incident directions reach over more than a half-plane: else nothing is known of the other half.
+fn is_spread(scans: &[Points]) -> bool {
+    let mut azimuths: Vec<f64> = scans
+        .iter()
+        .filter(|s| s.incident[2] < 0.999)
+        .map(|s| f64::from(s.incident[1]).atan2(f64::from(s.incident[0])))
+        .collect();
+    azimuths.sort_by(f64::total_cmp);
+    let Some((&first, &last)) = azimuths.first().zip(azimuths.last()) else { return false };
+    let widest =
+        azimuths.windows(2).map(|w| w[1] - w[0]).fold(std::f64::consts::TAU - (last - first), f64::max);
+    widest < 0.95 * std::f64::consts::PI
+}
+
+/// The symmetry that makes incident directions cover all azimuths.
+fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
+    let (mut x, mut y) = ([false; 2], [false; 2]);
+    let mut line = true;
+    let mut first: Option<Ray> = None;
+    for scan in parts.iter().flatten().filter(|s| s.incident[2] < 0.999) {
+        let i = scan.incident;
+        for (axis, seen) in [(i[0], &mut x), (i[1], &mut y)] {
+            if axis.abs() > 0.02 {
+                seen[usize::from(axis > 0.0)] = true;
+            }
+        }
+        let a = *first.get_or_insert(i);
+        line &= (a[0] * i[1] - a[1] * i[0]).abs() < 0.02;
+    }
+    let mirrored = alone.iter().flatten().all(is_its_own_image);
+    let turns = alone.iter().flatten().all(looks_the_same_turned);
+    let (symmetry, why) = if line && mirrored && turns {
+        (
+            Symmetry::Isotropic,
+            "assumed: incident directions lie on one azimuth, and scans are their own mirror images",
+        )
+    } else if line {
+        let why = "incident directions lie on one azimuth, but scans are not symmetrical about it, or the one at normal incidence \
+                   changes with turns: nothing is known of other azimuths";
+        (Symmetry::Anisotropic, why)
+    } else {
+        match (x == [true; 2], y == [true; 2]) {
+            (false, false) => (Symmetry::Quadrilateral, "assumed: incident directions lie in one quadrant"),
+            (true, false) => {
+                (Symmetry::BilateralX, "assumed: incident directions lie on one side of the plane y = 0")
+            }
+            (false, true) => {
+                (Symmetry::BilateralY, "assumed: incident directions lie on one side of the plane x = 0")
+            }
+            (true, true) => (Symmetry::Anisotropic, "too few incident directions to find any"),
+        }
+    };
+    SymmetryFound { symmetry, why: why.to_owned(), errors: Vec::new() }
+}
+
+/// Whether a scan is symmetrical about its plane of incidence, as far as it was measured on both sides.
+fn is_its_own_image(scan: &Gridded) -> bool {
+    let [x, y, _] = scan.incident;
+    let r2 = x * x + y * y;
+    if r2 < 1e-6 {
+        return true;
+    }
+    let image = move |[u, v, w]: Ray| {
+        let along = 2.0 * (u * x + v * y) / r2;
+        [along * x - u, along * y - v, w]
+    };
+    is_image(scan, image)
+}
+
+/// Whether a scan at normal incidence does not change with turns.
+fn looks_the_same_turned(scan: &Gridded) -> bool {
+    if scan.incident[2] < 0.999 {
+        return true;
+    }
+    [0.5f32, 0.9, 1.570_796_4].into_iter().all(|angle| {
+        let (s, c) = angle.sin_cos();
+        is_image(scan, move |[u, v, w]: Ray| [c * u - s * v, s * u + c * v, w])
+    })
+}
+
+fn is_image(scan: &Gridded, image: impl Fn(Ray) -> Ray) -> bool {
+    let channel = scan.main();
+    let (mut difference, mut sum, mut n) = (0.0, 0.0, 0);
+    for (k, &o) in scan.exitant.iter().enumerate() {
+        let there = lambert::point(image(o));
+        if scan.covered.at(there) > 0.99 {
+            let (value, weight) = (scan.values[channel][k], scan.weights[k]);
+            difference += f64::from((value - scan.rasters[channel].at(there)).abs() * weight);
+            sum += f64::from(value * weight);
+            n += 1;
+        }
+    }
+    n < 20 || difference <= sum * (SAME_IMAGE.0 * relative_l1(&scan.held_out())).max(SAME_IMAGE.1)
+}
