@@ -118,7 +118,7 @@ class Fit:
         Returns
         -------
         FittedTrees
-            Values are means over cells. Light of all directions together is what was measured, and never more than came in.
+            Values are means over cells. Totals of incident directions are as measured, and together at most 1.
 
         Raises
         ------
@@ -128,12 +128,12 @@ class Fit:
         trees, errors = self._core.bsdf(rank=rank, log2_res=log2_res, tolerance=tolerance, progress=progress)
         recipes = ", ".join(f"{part} {rows[0].frame}" for part, rows in self.recipes.items())
         made = f"Fitted by: bsdftree {_core.__version__} fit ({self.symmetry}; {recipes})"
-        given = {"name": self.measurement.name, "manufacturer": self.measurement.manufacturer}
-        header = {key: text for key, text in given.items() if text}
-        return FittedTrees(
-            Bsdf(trees).with_header(provenance=[made], **header),
-            Bsdf(errors).with_header(provenance=[made, "Standard errors in place of values"], **header),
+        name, manufacturer = self.measurement.name, self.measurement.manufacturer
+        whole, uncertain = (
+            Bsdf(core).with_header(name=name, manufacturer=manufacturer, provenance=[made, *notes])
+            for core, notes in ((trees, []), (errors, ["Standard errors in place of values"]))
         )
+        return FittedTrees(whole, uncertain)
 
     def bsdf(
         self,

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use bsdftree::Rank;
 use bsdftree::square::disk_from_square;
-use bsdftree::tree::{Content, Slot, Tree, TreeBuilder, TreeError};
+use bsdftree::tree::{Content, Leaf, Slot, Tree, TreeBuilder, TreeError};
 use rayon::prelude::*;
 
 use crate::cells::{self, Cells};
@@ -63,46 +63,58 @@ impl Model {
         }
     }
 
-    /// The tree with a standard error in place of each leaf's value: the mean of the errors at eight places of the leaf. They are of one
+    /// The tree with a standard error in place of each leaf's value: the mean of the errors at some places of the leaf. They are of one
     /// interpolation, so they do not average out.
     pub(crate) fn error_tree(&self, tree: &Tree) -> Result<Tree, TreeError> {
-        let leaves: Vec<_> = tree.leaves().collect();
+        let leaves: Vec<Leaf> = tree.leaves().collect();
         let rank = tree.rank();
-        let errors: Vec<f32> =
-            leaves.par_iter().map(|leaf| self.leaf_error(rank, leaf.cell, leaf.level)).collect();
+        // Leaves of one incident cell together: what is made ready for an incident direction serves them all.
+        let incident =
+            |leaf: &Leaf| (leaf.level, leaf.cell[0], if rank == Rank::Four { leaf.cell[1] } else { 0 });
+        let mut order: Vec<u32> = (0..leaves.len() as u32).collect();
+        order.par_sort_unstable_by_key(|&k| (incident(&leaves[k as usize]), k));
+        let together: Vec<&[u32]> =
+            order.chunk_by(|&a, &b| incident(&leaves[a as usize]) == incident(&leaves[b as usize])).collect();
+        let of_cell = |members: &&[u32]| {
+            let first = &leaves[members[0] as usize];
+            let places = PLACES.map(|place| self.error_at(rank, first, place));
+            let error = |&k: &u32| {
+                let sum: f64 = places.iter().map(|error| error(&leaves[k as usize])).sum();
+                (k, (sum / places.len() as f64) as f32)
+            };
+            members.iter().map(error).collect::<Vec<_>>()
+        };
+        let mut errors = vec![0f32; leaves.len()];
+        for (k, error) in together.par_iter().flat_map_iter(of_cell).collect::<Vec<_>>() {
+            errors[k as usize] = error;
+        }
         let mut errors = errors.into_iter();
         let mut builder = TreeBuilder::new(rank);
         let root = copied(tree, tree.arena().root(), &mut errors, &mut builder)?;
         Ok(Tree::new(builder.finish(root)))
     }
 
-    fn leaf_error(&self, rank: Rank, cell: [u32; 4], level: u32) -> f32 {
-        const N: usize = 8;
-        let edge = 0.5f64.powi(level as i32);
-        // Coordinates of the first points of a rank-1 lattice: well spread in up to four dimensions.
-        let at = |k: usize, d: usize| {
-            let shift = ((k as f64 + 0.5) * [0.5, 0.618_034, 0.754_878, 0.819_173][d]).fract();
-            (f64::from(cell[d]) + shift) * edge
+    /// Errors at one place of leaves that share the incident cell of `leaf`.
+    fn error_at(&self, rank: Rank, leaf: &Leaf, place: [f64; 4]) -> impl Fn(&Leaf) -> f64 + '_ {
+        let edge = 0.5f64.powi(leaf.level as i32);
+        let at = move |cell: [u32; 4], d: usize| (f64::from(cell[d]) + place[d]) * edge;
+        let incident = match rank {
+            Rank::Four => disk_from_square([at(leaf.cell, 0), at(leaf.cell, 1)]).map(|x| -x),
+            Rank::Three => [(2.0 * at(leaf.cell, 0) - 1.0).min(0.0), 0.0],
         };
-        let mut sum = 0.0;
-        for k in 0..N {
-            let (incident, exitant) = match rank {
-                Rank::Four => {
-                    let [x, y] = disk_from_square([at(k, 0), at(k, 1)]);
-                    ([-x, -y], disk_from_square([at(k, 2), at(k, 3)]))
-                }
-                Rank::Three => {
-                    ([(2.0 * at(k, 0) - 1.0).min(0.0), 0.0], disk_from_square([at(k, 1), at(k, 2)]))
-                }
-            };
-            let (i, o) = (cells::upper(incident), cells::upper(exitant));
-            let turn = self.turn(i);
-            let (i, o) = (turned(i, turn), turned(o, turn));
-            sum += self.error_slice(i)(o);
+        let incident = cells::upper(incident);
+        let turn = self.turn(incident);
+        let error = self.error_slice(turned(incident, turn));
+        let first = rank.dimensions() - 2;
+        move |leaf: &Leaf| {
+            let exitant = cells::upper(disk_from_square([at(leaf.cell, first), at(leaf.cell, first + 1)]));
+            error(turned(exitant, turn))
         }
-        (sum / N as f64) as f32
     }
 }
+
+/// Places in a leaf at which errors are taken.
+const PLACES: [[f64; 4]; 2] = [[0.3, 0.7, 0.25, 0.4], [0.7, 0.3, 0.75, 0.6]];
 
 fn copied(
     tree: &Tree,
