@@ -173,7 +173,7 @@ def test_twins_of_zemax_and_fred_agree(data, name):
             np.testing.assert_allclose(a.incident, b.incident, atol=1e-12)
             # Their makers interpolated one and not the other, and shifted peaks by a degree or two.
             log_ratio = np.log(a.values / about(b, a.exitant))
-            assert np.nanmedian(np.abs(log_ratio)) < 0.12
+            assert np.nanmedian(np.abs(log_ratio)) < 0.15
             if a.incident[2] < 0.7:
                 turned = np.log(a.values / about(b, a.exitant * [-1, 1, 1]))
                 assert np.nanmedian(np.abs(turned)) > 0.4
@@ -185,3 +185,39 @@ def test_reads_an_anisotropic_file_of_zemax(data):
     assert array.notes[0].startswith("6732 zeros")
     theta, phi = polar_from_direction([scan.incident for scan in array.scans]).T
     assert set(theta.round(6)) == {10, 30, 50, 70} and len(set(phi.round(6))) == 36
+
+
+def test_raw_sheets_become_the_published_brdf(data):
+    raw = data / "ua-loft/raw/rt-300s"
+    measured = Measurement.load(sorted(raw.glob("NiTE_on_invar*.xls")))
+    fred = Measurement.load(data / "ua-loft/processed/fred/AnoBlackNiTEonINVAR_fullAz.txt")
+    assert len(measured.scans) == len(fred.scans) == 4
+    for a, b in zip(measured.scans, fred.scans, strict=True):
+        np.testing.assert_allclose(a.incident, b.incident, atol=1e-12)
+        cosine = b.exitant @ a.exitant.T
+        at = cosine.argmax(1)
+        assert np.all(cosine.max(1) > 1 - 1e-10)
+        # In RT, of which the published values lack the blank of the day: some thousandths.
+        rt = np.pi * b.exitant[:, 2] * np.stack([a.values[at], b.values])
+        mirrored = np.pi * b.exitant[:, 2] * a.values[(b.exitant * [1, -1, 1] @ a.exitant.T).argmax(1)]
+        assert np.abs(0.5 * (rt[0] + mirrored) - rt[1]).max() < 0.0065
+        assert a.errors.shape == a.values.shape and np.all(a.errors > 0)
+    assert any("there is no blank" in note for note in measured.notes)
+    # Three mounts of one coating differ by some percent.
+    relative = np.concatenate([scan.errors / np.abs(scan.values) for scan in measured.scans])
+    assert 0.01 < np.median(relative) < 0.15
+
+
+def test_blanks_are_subtracted_where_they_fit(data):
+    raw = data / "ua-loft/raw/rt-300s"
+    black, blank = raw / "MagicBlack_v1o0_20250829.xls", raw / "blank_20250829.xls"
+    without, fitting = Measurement.load(black), Measurement.load([black, blank])
+    assert any("the blank is subtracted" in note for note in fitting.notes)
+    assert not np.allclose(without.scans[0].values, fitting.scans[0].values)
+    other = Measurement.load([*sorted(raw.glob("NiTE_on_invar*.xls")), blank])
+    assert any("lacks angles" in note for note in other.notes)
+    array = Measurement.load(sorted(raw.glob("IMX455*.xls")))
+    phi = {round(polar_from_direction(scan.incident)[1], 6) for scan in array.scans}
+    assert (len(array.scans), phi) == (16, {180, 150, 120, 90})
+    with pytest.raises(ValueError, match="only blanks"):
+        Measurement.load(blank)

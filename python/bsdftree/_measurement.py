@@ -111,7 +111,7 @@ class Measurement:
             The side of the device that was the sample's front when it was measured: ``front`` is the room. With
             ``back`` the sample is turned about the vertical, so that up stays up.
         format
-            ``pab-opto``, ``zemax`` or ``fred``, if the content does not tell.
+            ``pab-opto``, ``zemax``, ``fred`` or ``rt-300s``, if the content does not tell.
 
         Returns
         -------

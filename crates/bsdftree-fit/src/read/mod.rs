@@ -18,6 +18,8 @@ mod text;
 mod pab_opto;
 mod zemax;
 mod fred;
+mod workbook;
+mod rt300s;
 
 pub use error::{Fault, Place, ReadError};
 
@@ -39,11 +41,13 @@ pub enum Format {
     Zemax,
     /// FRED's tabulated BSDF.
     Fred,
+    /// Raw sheets of the scatterometer RT-300S.
+    Rt300s,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 3] = [Format::PabOpto, Format::Zemax, Format::Fred];
+    pub const ALL: [Format; 4] = [Format::PabOpto, Format::Zemax, Format::Fred, Format::Rt300s];
 
     /// The name by which people choose it: `pab-opto`.
     pub fn name(self) -> &'static str {
@@ -51,6 +55,7 @@ impl Format {
             Format::PabOpto => "pab-opto",
             Format::Zemax => "zemax",
             Format::Fred => "fred",
+            Format::Rt300s => "rt-300s",
         }
     }
 
@@ -62,6 +67,7 @@ impl Format {
             Format::PabOpto => pab_opto::recognizes(&text),
             Format::Zemax => zemax::recognizes(&text),
             Format::Fred => fred::recognizes(&text),
+            Format::Rt300s => workbook::recognizes(bytes),
         })
     }
 }
@@ -117,6 +123,7 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
         Format::PabOpto => each(&inputs, pab_opto::read)?,
         Format::Zemax => each(&inputs, zemax::read)?,
         Format::Fred => each(&inputs, fred::read)?,
+        Format::Rt300s => rt300s::read_all(&inputs)?,
     };
     finished(measurement, options.side).map_err(|error| match paths {
         [path] => error.in_file(path),
