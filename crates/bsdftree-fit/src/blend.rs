@@ -4,6 +4,8 @@
 //! the median of a scan is its base, which is blended at fixed directions, and the rest is moved. The half-vector frame blends
 //! f·cos θ_i·cos θ_o.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::frame::{Frame, LEAST_COSINE, Motion};
@@ -32,18 +34,24 @@ pub struct Recipe {
     pub reciprocal: bool,
 }
 
-/// Scans made ready for one recipe, one channel.
-#[derive(Clone, Debug)]
-pub(crate) struct Layers {
-    pub recipe: Recipe,
+/// Logarithms of scans, as some recipes share them.
+#[derive(Debug)]
+pub(crate) struct Logs {
     incidents: Vec<Ray>,
     logs: Vec<Raster>,
     bases: Vec<Raster>,
     epsilon: f32,
 }
 
-impl Layers {
-    pub fn new(scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
+/// Scans made ready for one recipe, one channel.
+#[derive(Clone, Debug)]
+pub(crate) struct Layers {
+    pub recipe: Recipe,
+    logs: Arc<Logs>,
+}
+
+impl Logs {
+    fn new(scans: &[Gridded], channel: usize, recipe: Recipe) -> Logs {
         let mean =
             scans.iter().map(|s| s.totals[channel] / std::f64::consts::PI).sum::<f64>() / scans.len() as f64;
         let epsilon = (EPSILON * mean).max(1e-12) as f32;
@@ -64,7 +72,22 @@ impl Layers {
             scan.rasters[channel].map(|_, v| v.clamp(0.0, base))
         };
         let bases = if recipe.split { scans.par_iter().map(base).collect() } else { Vec::new() };
-        Layers { recipe, incidents: scans.iter().map(|s| s.incident).collect(), logs, bases, epsilon }
+        Logs { incidents: scans.iter().map(|s| s.incident).collect(), logs, bases, epsilon }
+    }
+}
+
+impl Layers {
+    pub fn new(scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
+        Layers { recipe, logs: Arc::new(Logs::new(scans, channel, recipe)) }
+    }
+
+    /// The same scans for another recipe; the logarithms are shared if they are the same.
+    pub fn for_recipe(&self, scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
+        let needs = |recipe: Recipe| (recipe.frame == Frame::Half, recipe.split);
+        match needs(recipe) == needs(self.recipe) {
+            true => Layers { recipe, logs: Arc::clone(&self.logs) },
+            false => Layers::new(scans, channel, recipe),
+        }
     }
 
     /// All exitant directions for one incident direction.
@@ -72,13 +95,13 @@ impl Layers {
         let term = |&(k, weight): &(usize, f64)| Term {
             scan: k,
             weight: weight as f32,
-            motion: Motion::new(self.recipe.frame, incident, self.incidents[k]),
-            log: &self.logs[k],
-            base: self.bases.get(k),
+            motion: Motion::new(self.recipe.frame, incident, self.logs.incidents[k]),
+            log: &self.logs.logs[k],
+            base: self.logs.bases.get(k),
         };
         let half = self.recipe.frame == Frame::Half;
         let cosine = if half { Some(incident[2].max(LEAST_COSINE)) } else { None };
-        Slice { terms: weights.iter().map(term).collect(), epsilon: self.epsilon, cosine }
+        Slice { terms: weights.iter().map(term).collect(), epsilon: self.logs.epsilon, cosine }
     }
 }
 

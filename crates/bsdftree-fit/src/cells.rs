@@ -1,6 +1,6 @@
 //! A fitted model over the cells of a tree: means over incident and exitant cell.
 //!
-//! Four pairs of points for each pair of cells, and sixteen where the four differ. Rows are brought to the totals that were measured.
+//! Two pairs of points for each pair of cells, four where the two differ, and sixteen where the four do. Rows are brought to the totals that were measured.
 
 use bsdftree::Rank;
 use bsdftree::square::disk_from_square;
@@ -82,12 +82,17 @@ pub(crate) fn upper([x, y]: [f64; 2]) -> Ray {
 pub(crate) fn mean(level: f32, mut f: impl FnMut(usize, usize) -> f32) -> f32 {
     /// Each incident point with one exitant point, no two alike.
     const PARTNER: [usize; N_POINTS] = [0, 2, 3, 1];
-    /// Difference of the four, in units of their mean or of the level, over which all sixteen are taken.
-    const ROUGH: f32 = 0.2;
-    let four: [f32; N_POINTS] = std::array::from_fn(|k| f(k, PARTNER[k]));
+    /// Difference, in units of the mean or of the level, over which more points are taken: after two, after four.
+    const ROUGH: [f32; 2] = [0.06, 0.2];
+    let is_smooth = |low: f32, high: f32, mean: f32, rough: f32| high - low <= rough * mean.max(level);
+    let (a, b) = (f(0, PARTNER[0]), f(2, PARTNER[2]));
+    if is_smooth(a.min(b), a.max(b), 0.5 * (a + b), ROUGH[0]) {
+        return 0.5 * (a + b);
+    }
+    let four = [a, f(1, PARTNER[1]), b, f(3, PARTNER[3])];
     let sum: f32 = four.iter().sum();
     let (low, high) = four.iter().fold((f32::MAX, 0f32), |(l, h), &v| (l.min(v), h.max(v)));
-    if high - low <= ROUGH * (0.25 * sum).max(level) {
+    if is_smooth(low, high, 0.25 * sum, ROUGH[1]) {
         return 0.25 * sum;
     }
     let others =

@@ -107,8 +107,12 @@ pub(crate) fn recipes() -> Vec<Recipe> {
 pub(crate) fn scores(scans: &[Gridded], line: bool, tried: &[Recipe]) -> Vec<Score> {
     let left_out = left_out(scans, line);
     let channel = scans[0].main();
-    let score = |&recipe: &Recipe| {
-        let layers = Layers::new(scans, channel, recipe);
+    // Recipes that share logarithms come one after the other.
+    let mut ordered = tried.to_vec();
+    ordered.sort_by_key(|recipe| (recipe.frame == Frame::Half, recipe.split));
+    let mut layers = Layers::new(scans, channel, ordered[0]);
+    let mut score = |recipe: Recipe| {
+        layers = layers.for_recipe(scans, channel, recipe);
         let errors: Vec<f64> =
             left_out.par_iter().map(|&k| relative_l1(&residuals(scans, &layers, line, k))).collect();
         let n = errors.len() as f64;
@@ -118,7 +122,7 @@ pub(crate) fn scores(scans: &[Gridded], line: bool, tried: &[Recipe]) -> Vec<Sco
             worst: errors.iter().copied().fold(f64::NAN, f64::max),
         }
     };
-    let mut scores: Vec<Score> = tried.iter().map(score).collect();
+    let mut scores: Vec<Score> = ordered.into_iter().map(&mut score).collect();
     scores.sort_by(|a, b| a.l1.total_cmp(&b.l1));
     scores
 }

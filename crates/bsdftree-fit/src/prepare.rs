@@ -11,8 +11,10 @@ use crate::measurement::{Measurement, Symmetry};
 /// Directions closer than this are one \[rad\].
 const SAME: f32 = 2e-3;
 
-/// Fewest and most pixels of an edge.
-const PIXELS: [usize; 2] = [128, 512];
+/// Fewest and most pixels of an edge; most of many scans.
+const PIXELS: [usize; 3] = [128, 512, 256];
+/// More scans than this are many.
+const MANY: usize = 16;
 
 /// The points of one scan on one side, incident and exitant on the upper hemisphere.
 #[derive(Clone, Debug)]
@@ -130,7 +132,8 @@ fn resolution(scans: &[Points]) -> usize {
     let tenth = gaps.len() / 10;
     let gap = gaps.select_nth_unstable_by(tenth, f32::total_cmp).1.max(1e-4);
     let wanted = (2.0 * 2.0 * crate::raster::EXTENT / gap) as usize;
-    wanted.next_power_of_two().clamp(PIXELS[0], PIXELS[1])
+    let most = if scans.len() > MANY { PIXELS[2] } else { PIXELS[1] };
+    wanted.next_power_of_two().clamp(PIXELS[0], most)
 }
 
 /// Distance on the disk from each point to its nearest neighbour.

@@ -74,9 +74,10 @@ pub(crate) fn found(parts: &[Vec<Points>]) -> SymmetryFound {
 fn error_of(scans: &[Gridded], line: bool, groups: &[usize]) -> f64 {
     let judged: Vec<usize> =
         choose::one_of_each_group(scans).filter(|&k| groups.contains(&scans[k].group)).collect();
+    let recipe = |frame| Recipe { frame, blend: Blend::Spline, split: false, reciprocal: false };
+    let mut layers = Layers::new(scans, scans[0].main(), recipe(Frame::Fixed));
     let error = |frame: Frame| {
-        let recipe = Recipe { frame, blend: Blend::Spline, split: false, reciprocal: false };
-        let layers = Layers::new(scans, scans[0].main(), recipe);
+        layers = layers.for_recipe(scans, scans[0].main(), recipe(frame));
         let each = judged.iter().map(|&k| relative_l1(&choose::residuals(scans, &layers, line, k)));
         each.sum::<f64>() / judged.len() as f64
     };
