@@ -46,10 +46,10 @@ def case(material: truths.Material, arguments: argparse.Namespace) -> report.Cas
     scans = gonio.measure(material)
     court = judge.court(material, log2_res)
     if arguments.quick:
-        return report.Case(court, judge.point_by_point(court, _model(scans, arguments)), None)
+        return report.Case(court, judge.point_by_point(court, _said(_model(scans, arguments))), None)
     ours = incumbent = None
     if not arguments.incumbent:
-        ours = judge.in_cells(court, _tree(scans, material, log2_res, arguments))
+        ours = judge.in_cells(court, _said(_tree(scans, material, log2_res, arguments)))
     if not arguments.ours:
         folder = truths.cache_folder()
         files = gonio.write(scans, folder / "scans" / material.name, material.name)
@@ -65,6 +65,12 @@ def _tree(
     scans: list[gonio.Scan], material: truths.Material, log2_res: int, arguments: argparse.Namespace
 ) -> contender.Contender:
     return contender.nearest(scans) if arguments.nearest else contender.tree(scans, material.rank, log2_res)
+
+
+def _said(judged: contender.Contender) -> contender.Contender:
+    """What the fit says of itself, printed."""
+    print(judged.note, flush=True)
+    return judged
 
 
 def _arguments() -> argparse.Namespace:

@@ -50,20 +50,22 @@ def model(scans: list[Scan], **options: Any) -> tuple[Contender, Any]:
     start = time.process_time()
     fitted = bsdftree.fit(taken, **options)
     seconds = time.process_time() - start
-    return Contender("ours", fitted.eval, fitted.error, None, seconds, str(getattr(fitted, "report", ""))), fitted
+    return Contender("ours", fitted.eval, fitted.error, None, seconds, repr(fitted)), fitted
 
 
-def of_tree(name: str, bsdf: bsdftree.Bsdf, log2_res: int, seconds: float, error: Function | None = None) -> Contender:
-    return Contender(name, bsdf.eval, error, log2_res, seconds)
+def of_tree(
+    name: str, bsdf: bsdftree.Bsdf, log2_res: int, seconds: float, error: Function | None = None, note: str = ""
+) -> Contender:
+    return Contender(name, bsdf.eval, error, log2_res, seconds, note)
 
 
 def tree(scans: list[Scan], rank: int, log2_res: int, tolerance: float = TOLERANCE, **options: Any) -> Contender:
     """Our fit as a tree; time of fitting and resampling."""
     pointwise, fitted = model(scans, **options)
     start = time.process_time()
-    bsdf = fitted.bsdf(rank=rank, log2_res=log2_res, tolerance=tolerance)
+    made = fitted.trees(rank, log2_res, tolerance=tolerance)
     seconds = pointwise.seconds + time.process_time() - start
-    return of_tree("ours", bsdf, log2_res, seconds, fitted.error)
+    return of_tree("ours", made.bsdf, log2_res, seconds, made.errors.eval, pointwise.note)
 
 
 def radiance(files: list[Path], log2_res: int, cache: Path) -> Contender:
