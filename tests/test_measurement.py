@@ -1,11 +1,15 @@
 """Measurements: files read as Radiance reads them, arrays, files written."""
 
+import json
+
 import numpy as np
 import pytest
 import radiance
+from click.testing import CliRunner
 
 import bsdftree
 from bsdftree import Measurement, direction_from_polar, polar_from_direction
+from bsdftree.cli import main
 
 
 def hemisphere(side, n=24):
@@ -221,3 +225,51 @@ def test_blanks_are_subtracted_where_they_fit(data):
     assert (len(array.scans), phi) == (16, {180, 150, 120, 90})
     with pytest.raises(ValueError, match="only blanks"):
         Measurement.load(blank)
+
+
+def run(*args):
+    return CliRunner().invoke(main, [str(a) for a in args])
+
+
+def test_tables_are_read_by_their_columns(tmp_path):
+    path = tmp_path / "x.csv"
+    path.write_text("INC,A,B,F,S\n30,10,20,0.5,0.01\n30,20,20,0.25,0.02\n60,10,20,50,1\n")
+    columns = {"theta_i": "INC", "theta_o": "A", "phi_o": 3, "value": "F", "error": "S", "percent": "yes"}
+    table = Measurement.load(path, columns=columns)
+    assert len(table.scans) == 2
+    np.testing.assert_allclose(table.scans[0].values, [0.005, 0.0025])
+    np.testing.assert_allclose(table.scans[0].errors, [0.0001, 0.0002])
+    np.testing.assert_allclose(table.scans[0].exitant[0], direction_from_polar(10, 20))
+    with pytest.raises(ValueError, match="line 1: found no column theta_i"):
+        Measurement.load(path, format="table")
+    with pytest.raises(ValueError, match="columns for a format that is no table"):
+        Measurement.load(path, columns=columns, format="zemax")
+
+
+def test_total_of_a_diffuser_is_its_reflectance():
+    exitant = hemisphere(1, 20)
+    row, other = Measurement(
+        [([0, 0.6, 0.8], np.concatenate([exitant, -exitant]), np.repeat([0.2, 0.1], 400))]
+    ).summary()
+    assert (row.part, other.part, row.n_points) == ("reflection_back", "transmission_back", 400)
+    assert row.total == pytest.approx(0.2 * np.pi, rel=1e-9) and other.total == pytest.approx(0.1 * np.pi, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", COATINGS)
+def test_totals_of_twins_agree(data, name):
+    zemax = Measurement.load(data / f"ua-loft/processed/zemax/{name}.bsdf").summary()[0]
+    fred = Measurement.load(data / f"ua-loft/processed/fred/{name}_fullAz.txt").summary()[0]
+    assert zemax.total == pytest.approx(fred.total, rel=0.05)
+
+
+def test_measured_prints_draws_and_writes(data, tmp_path):
+    files = sorted((data / "ua-loft/raw/rt-300s").glob("NiTE*.xls"))
+    result = run("measured", *files, "--plot", tmp_path / "x.png", "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert "there is no blank" in result.output and result.output.count("reflection_back") == 4
+    assert (tmp_path / "x.png").stat().st_size > 20_000
+    written = sorted((tmp_path / "out").iterdir())
+    assert [path.name for path in written] == [f"reflection_back_{t}.00_180.00.txt" for t in (10, 30, 50, 70)]
+    summary = json.loads(run("measured", "--json", *written).output)
+    assert [row["n_points"] for row in summary["scans"]] == [549, 542, 542, 542]
+    assert run("measured", tmp_path / "x.png").exit_code == 1

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 _Array = NDArray[np.float64]
 
 __version__: str
+MEASUREMENT_FORMATS: list[str]
 XYZ_FROM_RGB: list[list[float]]
 
 class Tree:
@@ -84,7 +85,7 @@ class Measurement:
     parts: list[str]
     scans: list[_Scan]
     @staticmethod
-    def read(paths: list[str], *, format: str | None, side: str) -> Measurement: ...
+    def read(paths: list[str], *, format: str | None, columns: str | None, side: str) -> Measurement: ...
     @staticmethod
     def of_arrays(
         scans: list[_Scan],
@@ -96,6 +97,7 @@ class Measurement:
         wavelength_nm: float | None,
         notes: list[str],
     ) -> Measurement: ...
+    def summary(self) -> list[dict[str, Any]]: ...
     def to_pab_opto(self) -> list[tuple[str, str]]: ...
 
 class Device:

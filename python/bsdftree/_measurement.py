@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bsdftree import _core
 from bsdftree._whole_file import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 Symmetry = Literal["anisotropic", "bilateral_x", "bilateral_y", "quadrilateral", "isotropic"]
@@ -37,6 +41,55 @@ class Scan(NamedTuple):
     """Standard errors of the values [1/sr], of the same shape, if they are known."""
     source: str
     """Where it is from: file, and block or sheet if the file has several."""
+
+
+@dataclass(frozen=True)
+class ScanSummary:
+    """What was measured of one part with light from one direction.
+
+    Attributes
+    ----------
+    scan
+        Which of :attr:`Measurement.scans`.
+    part
+        ``reflection_front``, ``reflection_back``, ``transmission_front`` or ``transmission_back``; front is the
+        outside here, as in WINDOW.
+    incident_theta_deg, incident_phi_deg
+        Where the light came from [degree], theta from +Z.
+    n_points
+        How many exitant directions.
+    theta_range_deg
+        Smallest and largest angle from the normal of the side that it was measured on [degree].
+    azimuth_coverage_deg
+        Azimuths that there are points at, in steps of 10 [degree]; 360 is all.
+    spacing_deg
+        Median angle from a point to the nearest other one [degree]; None of one point.
+    hole_deg
+        Farthest that a direction of the hemisphere, down to 8 above the horizon, is from any point [degree].
+        Of isotropic samples, mirror images of points at the plane of incidence count too.
+    value_range
+        Smallest and largest value [1/sr], of colour those of Y.
+    n_negative
+        How many values are below 0.
+    relative_error
+        Median of standard error over value; None if errors are not known.
+    total
+        Estimate of the fraction of the light that is scattered there; None if a hole is larger than 20 degrees.
+    """
+
+    scan: int
+    part: str
+    incident_theta_deg: float
+    incident_phi_deg: float
+    n_points: int
+    theta_range_deg: tuple[float, float]
+    azimuth_coverage_deg: float
+    spacing_deg: float | None
+    hole_deg: float
+    value_range: tuple[float, float]
+    n_negative: int
+    relative_error: float | None
+    total: float | None
 
 
 class Measurement:
@@ -73,6 +126,9 @@ class Measurement:
     (3, 3)
     """
 
+    FORMATS = _core.MEASUREMENT_FORMATS
+    """Names of the formats that are read."""
+
     def __init__(
         self,
         scans: Iterable[Scan | Sequence[ArrayLike | None]],
@@ -100,18 +156,31 @@ class Measurement:
         )
 
     @classmethod
-    def load(cls, paths: Path_ | Iterable[Path_], *, side: Side = "front", format: str | None = None) -> Measurement:
+    def load(
+        cls,
+        paths: Path_ | Iterable[Path_],
+        *,
+        columns: str | Mapping[str, str | int] | None = None,
+        side: Side = "front",
+        format: str | None = None,
+    ) -> Measurement:
         """Read the files of one sample.
 
         Parameters
         ----------
         paths
             One or more files of one format. What they are, is seen from their content.
+        columns
+            Of tables (CSV): which column is what, by name or by number from 1, as
+            ``"theta_i=INC,phi_i=2,theta_o=5,phi_o=6,value=BSDF"`` or a dictionary. ``phi_i`` and ``phi_o`` may be
+            absent; ``x_i``, ``y_i``, ``z_i`` and ``x_o``, ``y_o``, ``z_o`` are vectors; ``X``, ``Y``, ``Z`` may stand
+            for ``value``; ``error`` is its standard error. Beside them ``angles=rad``, ``values=dsf`` (a cosine is in
+            the values), ``percent=yes``.
         side
             The side of the device that was the sample's front when it was measured: ``front`` is the room. With
             ``back`` the sample is turned about the vertical, so that up stays up.
         format
-            ``pab-opto``, ``zemax``, ``fred`` or ``rt-300s``, if the content does not tell.
+            If the content does not tell: one of :attr:`FORMATS`.
 
         Returns
         -------
@@ -126,7 +195,10 @@ class Measurement:
             If a file cannot be read.
         """
         names = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
-        return cls._of(_core.Measurement.read([os.fspath(name) for name in names], format=format, side=side))
+        if isinstance(columns, Mapping):
+            columns = ",".join(f"{name}={column}" for name, column in columns.items())
+        paths_ = [os.fspath(name) for name in names]
+        return cls._of(_core.Measurement.read(paths_, format=format, columns=columns, side=side))
 
     @classmethod
     def _of(cls, core: _core.Measurement) -> Measurement:
@@ -183,6 +255,16 @@ class Measurement:
     def parts(self) -> list[str]:
         """The components that there are values of, as ``reflection_front``; front is the outside here, as in WINDOW."""
         return self._core.parts
+
+    def summary(self) -> list[ScanSummary]:
+        """Say what was measured: one row for each part of each scan."""
+        return [ScanSummary(**row) for row in self._core.summary()]
+
+    def plot(self, *, title: str | None = None, limits: tuple[float, float] | None = None) -> Figure:
+        """Draw what was measured: :func:`bsdftree.plot.measurement`."""
+        from bsdftree.plot import measurement
+
+        return measurement(self, title=title, limits=limits)
 
     def save(self, directory: Path_) -> list[Path]:
         """Write pab-opto's text, which Radiance's pabopto2bsdf takes: one file for each part of each scan.

@@ -4,6 +4,8 @@
 //! [`Measurement`], and fitted to it a [`Model`] of each part.
 
 pub mod measurement;
+mod coverage;
+pub mod summary;
 pub mod read;
 pub mod write;
 

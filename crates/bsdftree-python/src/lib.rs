@@ -36,6 +36,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<fit::Fit>()?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(bsdftree::color::xyz_from_rgb);
+    module
+        .add("MEASUREMENT_FORMATS", bsdftree_fit::read::Format::ALL.map(bsdftree_fit::read::Format::name))?;
     module.add("XYZ_FROM_RGB", [0, 1, 2].map(|row| columns.map(|column| column[row])))?;
     module.add_function(wrap_pyfunction!(device::device_families, module)?)?;
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;

@@ -6,10 +6,12 @@ use std::sync::Arc;
 use bsdftree::Direction;
 use bsdftree::direction::{Side, normalized};
 use bsdftree_fit::read::{self, Format, Options, ReadError};
+use bsdftree_fit::summary::Row;
 use bsdftree_fit::{Scan, Symmetry, write};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::arrays::{Directions, Numbers, directions};
 use crate::value_error;
@@ -34,10 +36,16 @@ type ScanOut<'py> = (
 #[pymethods]
 impl Measurement {
     #[staticmethod]
-    #[pyo3(signature = (paths, *, format, side))]
-    fn read(py: Python<'_>, paths: Vec<PathBuf>, format: Option<&str>, side: &str) -> PyResult<Measurement> {
+    #[pyo3(signature = (paths, *, format, columns, side))]
+    fn read(
+        py: Python<'_>,
+        paths: Vec<PathBuf>,
+        format: Option<&str>,
+        columns: Option<String>,
+        side: &str,
+    ) -> PyResult<Measurement> {
         let format = format.map(format_of).transpose()?;
-        let options = Options { format, side: side_of(side)? };
+        let options = Options { format, columns, side: side_of(side)? };
         let read = py.detach(|| read::read_files(&paths, &options)).map_err(read_error)?;
         Ok(Measurement(Arc::new(read)))
     }
@@ -107,10 +115,33 @@ impl Measurement {
         self.0.scans.iter().map(|scan| arrays_of(py, scan, self.0.n_channels)).collect()
     }
 
+    /// A dictionary for each part of each scan.
+    fn summary<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        py.detach(|| bsdftree_fit::summary::summary(&self.0)).iter().map(|row| summary_row(py, row)).collect()
+    }
+
     /// Names and texts of files.
     fn to_pab_opto(&self) -> Vec<(String, String)> {
         write::pab_opto(&self.0).into_iter().map(|file| (file.name, file.text)).collect()
     }
+}
+
+fn summary_row<'py>(py: Python<'py>, row: &Row) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("scan", row.scan)?;
+    dict.set_item("part", row.part.key())?;
+    dict.set_item("incident_theta_deg", row.incident_deg[0])?;
+    dict.set_item("incident_phi_deg", row.incident_deg[1])?;
+    dict.set_item("n_points", row.n_points)?;
+    dict.set_item("theta_range_deg", (row.theta_range_deg[0], row.theta_range_deg[1]))?;
+    dict.set_item("azimuth_coverage_deg", row.azimuth_coverage_deg)?;
+    dict.set_item("spacing_deg", (!row.spacing_deg.is_nan()).then_some(row.spacing_deg))?;
+    dict.set_item("hole_deg", row.hole_deg)?;
+    dict.set_item("value_range", (row.value_range[0], row.value_range[1]))?;
+    dict.set_item("n_negative", row.n_negative)?;
+    dict.set_item("relative_error", row.relative_error)?;
+    dict.set_item("total", row.total)?;
+    Ok(dict)
 }
 
 fn scan_of(k: usize, (incident, exitant, values, errors, source): ScanArrays<'_>) -> PyResult<Scan> {

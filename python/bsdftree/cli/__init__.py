@@ -13,6 +13,7 @@ from bsdftree.cli.genbsdf import genbsdf
 from bsdftree.cli.generate import generate
 from bsdftree.cli.info import info
 from bsdftree.cli.lobes import lobes
+from bsdftree.cli.measured import measured
 from bsdftree.cli.merge import merge
 from bsdftree.cli.package import package
 from bsdftree.cli.plot import plot
@@ -52,6 +53,7 @@ for _verb in (
     plot,
     lobes,
     from_function,
+    measured,
     merge,
     stack,
     convert,

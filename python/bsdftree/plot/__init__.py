@@ -19,9 +19,10 @@ except ModuleNotFoundError as _missing:
 
 from bsdftree.plot._hemisphere import hemisphere
 from bsdftree.plot._image import whole_image
+from bsdftree.plot._measurement import measurement
 from bsdftree.plot._overview import overview
 from bsdftree.plot._polar import polar
 from bsdftree.plot._style import save
 from bsdftree.plot._whole import whole
 
-__all__ = ["hemisphere", "overview", "polar", "save", "whole", "whole_image"]
+__all__ = ["hemisphere", "measurement", "overview", "polar", "save", "whole", "whole_image"]

@@ -20,6 +20,8 @@ mod zemax;
 mod fred;
 mod workbook;
 mod rt300s;
+mod table;
+mod plausible;
 
 pub use error::{Fault, Place, ReadError};
 
@@ -43,11 +45,14 @@ pub enum Format {
     Fred,
     /// Raw sheets of the scatterometer RT-300S.
     Rt300s,
+    /// A table with named columns, or columns that are told.
+    Table,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 4] = [Format::PabOpto, Format::Zemax, Format::Fred, Format::Rt300s];
+    pub const ALL: [Format; 5] =
+        [Format::PabOpto, Format::Zemax, Format::Fred, Format::Rt300s, Format::Table];
 
     /// The name by which people choose it: `pab-opto`.
     pub fn name(self) -> &'static str {
@@ -56,6 +61,7 @@ impl Format {
             Format::Zemax => "zemax",
             Format::Fred => "fred",
             Format::Rt300s => "rt-300s",
+            Format::Table => "table",
         }
     }
 
@@ -68,6 +74,7 @@ impl Format {
             Format::Zemax => zemax::recognizes(&text),
             Format::Fred => fred::recognizes(&text),
             Format::Rt300s => workbook::recognizes(bytes),
+            Format::Table => table::recognizes(&text),
         })
     }
 }
@@ -77,13 +84,15 @@ impl Format {
 pub struct Options {
     /// The format; seen from the content if `None`.
     pub format: Option<Format>,
+    /// What the columns of a table are, as `theta_i=NAME,theta_o=3,value=NAME`; then the files are tables.
+    pub columns: Option<String>,
     /// The side of the device that was the sample's front when it was measured.
     pub side: Side,
 }
 
 impl Default for Options {
     fn default() -> Options {
-        Options { format: None, side: Side::Front }
+        Options { format: None, columns: None, side: Side::Front }
     }
 }
 
@@ -103,9 +112,16 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
     }
     let mut inputs = Vec::new();
     let mut format = options.format;
+    if options.columns.is_some() && *format.get_or_insert(Format::Table) != Format::Table {
+        return Err(ReadError::file(
+            "columns for a format that is no table",
+            "no columns, or the format \"table\"",
+        ));
+    }
+    let is_given = format.is_some();
     for path in paths {
         let bytes = read_bytes(path).map_err(|error| error.in_file(path))?;
-        let found = options.format.or_else(|| Format::of(&bytes)).ok_or_else(|| {
+        let found = format.filter(|_| is_given).or_else(|| Format::of(&bytes)).ok_or_else(|| {
             let names = Format::ALL.map(Format::name).join(", ");
             ReadError::file("no format that is known", format!("one of {names}; the format may be given"))
                 .in_file(path)
@@ -124,6 +140,7 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
         Format::Zemax => each(&inputs, zemax::read)?,
         Format::Fred => each(&inputs, fred::read)?,
         Format::Rt300s => rt300s::read_all(&inputs)?,
+        Format::Table => each(&inputs, |bytes| table::read(bytes, options.columns.as_deref()))?,
     };
     finished(measurement, options.side).map_err(|error| match paths {
         [path] => error.in_file(path),
@@ -207,6 +224,8 @@ fn finished(mut measurement: Measurement, side: Side) -> Result<Measurement, Rea
     if side == Side::Back {
         measurement.turn_front_to_back();
     }
+    let doubts = plausible::doubts(&measurement);
+    measurement.notes.extend(doubts);
     Ok(measurement)
 }
 
