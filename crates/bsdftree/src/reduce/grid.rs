@@ -405,4 +405,23 @@ impl Source for Grid<'_> {
             Rank::Four => (0..n * n).map(|k| sums[k % n * n + k / n]).collect(),
         }
     }
+
+    fn totals_below(&self, node: u32, level: u32) -> Vec<f64> {
+        let (shift, area) = (self.log2_res - level, leaf_area(self.log2_res));
+        let (d, side, n) = (self.rank.dimensions(), 1usize << shift, self.side());
+        let (_, cell) = self.place(node);
+        let exitant = [cell[d - 2] << shift, cell[d - 1] << shift];
+        let rows = if d == 4 { side } else { 1 };
+        let mut totals = Vec::with_capacity(rows * side);
+        for y in 0..rows {
+            for x in 0..side {
+                let x = (cell[0] << shift) + x;
+                let plane = if d == 4 { x * n + (cell[1] << shift) + y } else { x };
+                let row = |k: usize| &self.values[(plane * n + exitant[0] + k) * n + exitant[1]..][..side];
+                let sum: f64 = (0..side).map(|k| row(k).iter().map(|&v| f64::from(v)).sum::<f64>()).sum();
+                totals.push(area * sum);
+            }
+        }
+        totals
+    }
 }

@@ -18,7 +18,7 @@ use thiserror::Error;
 use crate::tree::{Arena, Content, Rank, Slot, Totals, Tree, TreeBuilder, TreeError};
 use grid::Grid;
 use measure::Measures;
-use prune::{Pruning, between, boundary, boundary_of_trees};
+use prune::{Cost, Pruning, between, boundary, boundary_of_trees};
 use source::{Nodes, Source};
 
 /// How differences are weighed.
@@ -218,19 +218,14 @@ impl<S: Source> Reduction<S> {
 
     fn best(&self, goal: &Goal) -> Result<(Tree, Loss), ReduceError> {
         let Goal { l1, rms, total, n_leaves, .. } = *goal;
-        let pruning = match (l1.or(rms).or(total), n_leaves) {
+        let (tree, loss) = match (l1.or(rms).or(total), n_leaves) {
             (None, Some(n)) => {
                 let [many, few] = boundary(&self.measures, self.source.rank(), |cost| cost.n_leaves > n);
-                between(&self.measures, &self.source, [&few, &many], |_, with| with.n_leaves <= n)
+                let takes = |_, with: Cost| with.n_leaves <= n;
+                self.result(between(&self.measures, &self.source, [&few, &many], takes), None)
             }
             _ => self.bounded(goal),
         };
-        let mut is_cut = pruning.is_cut;
-        if let Some(bound) = total {
-            totals::kept(&self.source, &self.measures.means, &mut is_cut, bound);
-        }
-        let tree = self.tree(&is_cut);
-        let loss = loss(&self.source, tree.arena());
         match n_leaves {
             Some(asked) if tree.arena().n_leaves() > asked => {
                 Err(ReduceError::Leaves { needed: tree.arena().n_leaves(), asked })
@@ -239,27 +234,39 @@ impl<S: Source> Reduction<S> {
         }
     }
 
-    /// The cheapest tree that keeps the bounds, but for that of totals if there is another one.
-    fn bounded(&self, goal: &Goal) -> Pruning {
+    /// The cheapest tree that keeps the bounds, but for what that of totals takes back.
+    fn bounded(&self, goal: &Goal) -> (Tree, Loss) {
         let whole = self.source.whole();
         let most = match (goal.l1, goal.rms) {
             (Some(l1), _) => l1 * whole.light * self.scale,
             (None, Some(rms)) => rms * rms * whole.power * self.scale,
             (None, None) => f64::INFINITY,
         };
-        let others = Goal { total: goal.total.filter(|_| most == f64::INFINITY), ..*goal };
-        let is_kept = |p: &Pruning| others.is_kept_by(&loss(&self.source, self.tree(&p.is_cut).arena()));
         // Errors are kept in 32 bits, so the sum may be a little less than it is.
         for most in [most, most * (1.0 - 1e-6)] {
-            let pruning = self.within(most);
-            if is_kept(&pruning) {
-                return pruning;
+            let (tree, loss) = self.result(self.within(most), goal.total);
+            if goal.is_kept_by(&loss) {
+                return (tree, loss);
             }
         }
         // The other bounds are not known of a pruning without its tree.
-        let holds = |p: &Pruning| p.cost.error <= most && is_kept(p);
+        let holds = |p: &Pruning| p.cost.error <= most && goal.is_kept_by(&self.result(p.clone(), goal.total).1);
         let [pruning, _] = boundary_of_trees(&self.measures, self.source.rank(), holds);
-        pruning
+        self.result(pruning, goal.total)
+    }
+
+    /// What is left of a pruning, with so much given back that a bound on totals is kept.
+    fn result(&self, mut pruning: Pruning, total: Option<f64>) -> (Tree, Loss) {
+        let mut tree = self.tree(&pruning.is_cut);
+        if let Some(bound) = total {
+            let means = &self.measures.means;
+            if totals::kept(&self.source, means, &mut pruning.is_cut, tree.arena(), bound) {
+                tree = self.tree(&pruning.is_cut);
+            }
+        }
+        drop(pruning);
+        let loss = loss(&self.source, tree.arena());
+        (tree, loss)
     }
 
     /// The cheapest tree of an error of at most so much.

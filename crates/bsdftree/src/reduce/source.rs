@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::Norm;
 use super::measure::Measures;
 use crate::convert::squared_radii;
-use crate::tree::{Arena, Content, Rank, Slot, Totals};
+use crate::tree::{Arena, Content, Rank, Slot, Totals, leaf_area};
 
 /// A node and where it is: its level, and its first coordinate at that level.
 #[derive(Clone, Copy)]
@@ -54,6 +54,8 @@ pub(super) trait Source {
     fn lost(&self, reduced: &Arena) -> [f64; 2];
     /// Directional-hemispherical totals of all finest incident cells, the first dimension fastest.
     fn totals(&self) -> Vec<f64>;
+    /// What a node of a level gives to those of the incident cells that it stands for.
+    fn totals_below(&self, node: u32, level: u32) -> Vec<f64>;
 }
 
 /// How much of the domain a cell of a level is, by its first coordinate at that level.
@@ -183,6 +185,27 @@ impl Nodes<'_> {
     }
 }
 
+impl Nodes<'_> {
+    /// Adds what a node of 2^log2 finest cells per axis gives to totals; the first of its own, and how many there are in a row.
+    fn add_totals(&self, node: u32, log2: u32, first: usize, side: usize, totals: &mut [f64]) {
+        let half = 1usize << (log2 - 1);
+        let rank = self.arena.rank();
+        for (k, child) in self.arena.children(node).iter().enumerate() {
+            let (x, y) = (k & 1, if rank == Rank::Four { k >> 1 & 1 } else { 0 });
+            let first = first + half * (y * side + x);
+            match child.content() {
+                Content::Leaf(value) => {
+                    let light = f64::from(value) * leaf_area(self.arena.log2_res() - log2 + 1);
+                    for row in 0..if rank == Rank::Four { half } else { 1 } {
+                        totals[first + row * side..][..half].iter_mut().for_each(|total| *total += light);
+                    }
+                }
+                Content::Node(child) => self.add_totals(child, log2 - 1, first, side, totals),
+            }
+        }
+    }
+}
+
 /// In the order in which both are told.
 const NORMS: [Norm; 2] = [Norm::L1, Norm::Rms];
 
@@ -247,5 +270,13 @@ impl Source for Nodes<'_> {
         let ny = if self.arena.rank() == Rank::Four { n } else { 1 };
         let totals = Totals::new(self.arena, |_, v| [v]).expect("a tree that is reduced was looked at");
         (0..ny).flat_map(|y| (0..n).map(move |x| [x, y])).map(|cell| totals.of(cell)[0]).collect()
+    }
+
+    fn totals_below(&self, node: u32, level: u32) -> Vec<f64> {
+        let log2 = self.arena.log2_res() - level;
+        let side = 1 << log2;
+        let mut totals = vec![0.0; if self.arena.rank() == Rank::Four { side * side } else { side }];
+        self.add_totals(node, log2, 0, side, &mut totals);
+        totals
     }
 }

@@ -9,23 +9,30 @@ use super::source::Source;
 use super::{LEAST_TOTAL, Loss};
 use crate::tree::{Arena, Content, Rank, Slot, Totals, leaf_area};
 
-/// Takes cuts back until the bound holds.
-pub(super) fn kept(source: &impl Source, means: &[f32], is_cut: &mut [bool], bound: f64) {
-    let guard = Guard { source, means, is_cut, side: 1 << source.log2_res(), totals: source.totals() };
-    let mut differences = vec![0.0; guard.totals.len()];
-    guard.over_cuts(source.root(), 0, [0; 2], None, &mut |_, at, difference| {
-        at.add(difference, 1.0, &mut differences)
-    });
+/// Takes cuts back until the bound holds, given the tree that they leave; whether any were.
+pub(super) fn kept(
+    source: &impl Source,
+    means: &[f32],
+    is_cut: &mut [bool],
+    left: &Arena,
+    bound: f64,
+) -> bool {
+    let totals = source.totals();
+    let mut differences: Vec<f64> =
+        reduced_totals(source, left).zip(&totals).map(|(left, total)| left - total).collect();
+    let guard = Guard { source, means, is_cut, side: 1 << source.log2_res(), totals };
+    let mut any = false;
     loop {
         let excess: Vec<f64> =
             differences.iter().zip(&guard.totals).map(|(d, t)| excess(*d, *t, bound)).collect();
         if excess.iter().all(|&e| e == 0.0) {
-            break;
+            return any;
         }
         let wanted = guard.wanted(excess);
         if wanted.is_empty() {
-            break;
+            return any;
         }
+        any = true;
         for (node, at, difference) in wanted {
             guard.is_cut[node as usize] = false;
             at.add(&difference, -1.0, &mut differences);
@@ -34,6 +41,14 @@ pub(super) fn kept(source: &impl Source, means: &[f32], is_cut: &mut [bool], bou
             });
         }
     }
+}
+
+/// Totals of a tree with branches cut off, in the finest incident cells of what it was.
+fn reduced_totals(source: &impl Source, reduced: &Arena) -> impl Iterator<Item = f64> {
+    let (log2, shift) = (source.log2_res(), source.log2_res() - reduced.log2_res());
+    let totals = Totals::new(reduced, |_, value| [value]).expect("there are fewer than of the whole tree");
+    let n_cells = if source.rank() == Rank::Four { 1 << (2 * log2) } else { 1 << log2 };
+    (0..n_cells).map(move |k: u32| totals.of([k & ((1 << log2) - 1), k >> log2].map(|c| c >> shift))[0])
 }
 
 /// By how much a difference of a total is too large, with its sign.
@@ -46,13 +61,8 @@ fn excess(difference: f64, total: f64, bound: f64) -> f64 {
 /// A loss with the errors of totals.
 pub(super) fn with_totals(loss: Loss, source: &impl Source, reduced: &Arena) -> Loss {
     let (whole, fine) = (source.totals(), 1 << source.log2_res());
-    let shift = source.log2_res() - reduced.log2_res();
-    let cut = Totals::new(reduced, |_, value| [value]);
-    let error = |k: usize| {
-        let cell = [k % fine, k / fine].map(|c| (c as u32) >> shift);
-        let [g] = cut.as_ref().expect("there are fewer than of the whole tree").of(cell);
-        (g - whole[k]).abs() / whole[k].max(LEAST_TOTAL)
-    };
+    let reduced: Vec<f64> = reduced_totals(source, reduced).collect();
+    let error = |k: usize| (reduced[k] - whole[k]).abs() / whole[k].max(LEAST_TOTAL);
     // Of rank 3 only one half of the incident cells is read.
     let read: Vec<usize> = match source.rank() {
         Rank::Three => (0..(fine / 2).max(1)).collect(),
@@ -131,8 +141,8 @@ impl<S: Source> Guard<'_, S> {
         }
         if self.is_cut[node as usize] {
             let mean = f64::from(self.means[node as usize]) * leaf_area(level);
-            let mut difference: Vec<f64> = at.indices().map(|_| mean).collect();
-            self.subtract(slot, level, cell, at, &mut difference);
+            let mut difference = self.source.totals_below(node, level);
+            difference.iter_mut().for_each(|d| *d = mean - *d);
             return f(node, at, &difference);
         }
         for (k, child) in self.children(node) {
@@ -150,27 +160,6 @@ impl<S: Source> Guard<'_, S> {
         match self.source.rank() {
             Rank::Three => [cell[0] << 1 | bit(0), 0],
             Rank::Four => [cell[0] << 1 | bit(0), cell[1] << 1 | bit(1)],
-        }
-    }
-
-    /// Takes away what the leaves below a slot give to the totals of a node that holds it.
-    fn subtract(&self, slot: Slot, level: u32, cell: [u32; 2], of: At, difference: &mut [f64]) {
-        match slot.content() {
-            Content::Leaf(value) => {
-                let light = f64::from(value) * leaf_area(level);
-                let n = 1usize << (self.source.log2_res() - level);
-                let first = [0, 1].map(|axis| cell[axis] as usize * n - of.cell[axis] as usize * of.n);
-                let rows = if of.rank == Rank::Four { n } else { 1 };
-                for y in 0..rows {
-                    let row = (first[1] + y) * of.n + first[0];
-                    difference[row..row + n].iter_mut().for_each(|d| *d -= light);
-                }
-            }
-            Content::Node(node) => {
-                for (k, child) in self.children(node) {
-                    self.subtract(child, level + 1, self.below(cell, k), of, difference);
-                }
-            }
         }
     }
 
