@@ -50,6 +50,8 @@ class Tree:
         n_leaves: int | None = None,
         norm: Norm = "l1",
         cull_percent: float | None = None,
+        variance: ArrayLike | None = None,
+        counts: ArrayLike | None = None,
         strict: bool = True,
     ) -> Tree:
         """Build a tree from a uniform grid; equal neighbours become one leaf.
@@ -66,6 +68,12 @@ class Tree:
             Relative L1 error that joining neighbours may make, as ``l1`` of :meth:`reduce`.
         rms, total, n_leaves, norm, cull_percent
             As of :meth:`reduce`.
+        variance
+            Square of the standard error of each value [1/sr²], or of all. A branch is then kept only where its children
+            differ by more than noise explains, and only where the bounds ask for it, which are then on what reduction
+            adds to that. A constant with noise becomes one leaf in 99 % of cases at least. Leaves are plain means.
+        counts
+            Number of samples of about equal weight (paths, photons) that made each value, instead of its variance.
         strict
             Whether to refuse values that are negative, not finite or over 1e12. Otherwise negative ones become 0,
             others the mean of the good ones in the smallest block of cells of a tree that has such, and ``repairs``
@@ -80,8 +88,12 @@ class Tree:
         --------
         >>> Tree.from_grid(np.full((4, 4, 4, 4), 0.2)).n_leaves
         1
+        >>> counts = np.random.default_rng(0).poisson(3.0, (8, 8, 8, 8))
+        >>> Tree.from_grid(0.1 * counts).n_leaves, Tree.from_grid(0.1 * counts, counts=counts).n_leaves
+        (4096, 1)
         """
-        tree, _, repairs = tree_of_grid(values, strict, tolerance, rms, total, n_leaves, norm, cull_percent)
+        goal = (tolerance, rms, total, n_leaves, norm, cull_percent)
+        tree, _, repairs = tree_of_grid(values, strict, *goal, variance, counts)
         return cls(tree, repairs)
 
     def reduce(

@@ -218,6 +218,18 @@ def tree_of_grid(
     n_leaves: int | None,
     norm: str,
 ) -> tuple[Tree, _Loss, str | None]: ...
+def tree_of_noisy_grid(
+    values: NDArray[np.float32],
+    noise: NDArray[np.float32],
+    is_counts: bool,
+    rank: int,
+    strict: bool,
+    l1: float | None,
+    rms: float | None,
+    total: float | None,
+    n_leaves: int | None,
+    norm: str,
+) -> tuple[Tree, _Loss, str | None]: ...
 def reduced(
     tree: Tree, l1: float | None, rms: float | None, total: float | None, n_leaves: int | None, norm: str
 ) -> Tree: ...

@@ -105,8 +105,13 @@ def tree_of_grid(
     n_leaves: int | None = None,
     norm: Norm = "l1",
     cull_percent: float | None = None,
+    variance: ArrayLike | None = None,
+    counts: ArrayLike | None = None,
 ) -> tuple[_core.Tree, Loss, list[str]]:
     """Return the tree of a grid, reduced if anything says how far; what was lost; and what was repaired."""
+    if variance is not None and counts is not None:
+        raise ValueError("variance and counts; expected one of them")
+    noise = variance if variance is not None else counts
     # What is beyond the range is said to be infinite.
     with np.errstate(over="ignore"):
         array = np.asarray(values, np.float32)
@@ -114,7 +119,13 @@ def tree_of_grid(
     if rank not in (3, 4) or len(set(array.shape)) != 1:
         raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
     flat = np.ascontiguousarray(array).reshape(-1)
-    if cull_percent is None:
+    if noise is not None:
+        if cull_percent is not None:
+            raise ValueError("cull_percent and variance or counts; expected one of them")
+        flat_noise = _beside(noise, array, "variance" if variance is not None else "counts")
+        goal = (l1, rms, total, n_leaves, norm)
+        tree, loss, repaired = _core.tree_of_noisy_grid(flat, flat_noise, counts is not None, rank, strict, *goal)
+    elif cull_percent is None:
         tree, loss, repaired = _core.tree_of_grid(flat, rank, strict, l1, rms, total, n_leaves, norm)
     else:
         refuse_beside_cull(l1, rms, total, n_leaves)
@@ -122,6 +133,16 @@ def tree_of_grid(
         tree = culled(whole, cull_percent)
         loss = _core.loss(whole, tree)
     return tree, _loss(rank, *loss), [repaired] if repaired else []
+
+
+def _beside(numbers: ArrayLike, values: NDArray[np.float32], name: str) -> NDArray[np.float32]:
+    """Return a number for each value, or the same for all."""
+    try:
+        with np.errstate(over="ignore"):
+            array = np.broadcast_to(np.asarray(numbers, np.float32), values.shape)
+    except ValueError:
+        raise ValueError(f"{name} of shape {np.shape(numbers)}; expected one number, or {values.shape}") from None
+    return np.ascontiguousarray(array).reshape(-1)
 
 
 def refuse_beside_cull(*others: object) -> None:

@@ -43,6 +43,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::tree_of_grid, module)?)?;
+    module.add_function(wrap_pyfunction!(reduce::tree_of_noisy_grid, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::reduced, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::reduced_bsdf, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::reduced_bsdf_to, module)?)?;

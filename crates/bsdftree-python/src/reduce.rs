@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use bsdftree::binary::{self, Packing};
-use bsdftree::reduce::{Goal, Loss, Norm, ReduceError};
+use bsdftree::reduce::{Goal, Loss, Noise, Norm, ReduceError};
 use bsdftree::tree::grid;
 use bsdftree::{Component, Scattering, xml};
 use numpy::PyReadonlyArray1;
@@ -63,6 +63,34 @@ pub fn tree_of_grid(
             false => (bsdftree::Tree::from_grid(rank, &values).map_err(|e| e.to_string())?, Loss::default()),
             true => bsdftree::Tree::reduced_from_grid(rank, &values, &goal).map_err(|e| e.to_string())?,
         };
+        Ok((Tree(Arc::new(tree)), loss_tuple(&loss), mended))
+    })
+    .map_err(|error: String| value_error(error))
+}
+
+/// A tree of a grid without what noise explains, reduced if anything says how far; what was lost by that; and what was mended.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
+pub fn tree_of_noisy_grid(
+    py: Python<'_>,
+    values: PyReadonlyArray1<'_, f32>,
+    noise: PyReadonlyArray1<'_, f32>,
+    is_counts: bool,
+    rank: usize,
+    strict: bool,
+    l1: Option<f64>,
+    rms: Option<f64>,
+    total: Option<f64>,
+    n_leaves: Option<usize>,
+    norm: &str,
+) -> PyResult<(Tree, LossTuple, Option<String>)> {
+    let (rank, values, noise) = (self::rank(rank)?, values.as_slice()?, noise.as_slice()?);
+    let goal = self::goal(l1, rms, total, n_leaves, norm)?;
+    let noise = if is_counts { Noise::Counts(noise) } else { Noise::Variance(noise) };
+    py.detach(|| {
+        let (values, mended) = good_values(rank, values, strict)?;
+        let (tree, loss) =
+            bsdftree::Tree::from_noisy_grid(rank, &values, noise, &goal).map_err(|e| e.to_string())?;
         Ok((Tree(Arc::new(tree)), loss_tuple(&loss), mended))
     })
     .map_err(|error: String| value_error(error))

@@ -74,6 +74,12 @@ def _bytes(_context: click.Context, _parameter: click.Parameter, value: str | No
     show_default=True,
     help="What the values of a grid are. Front is the outside, as in WINDOW.",
 )
+@click.option(
+    "--variance",
+    metavar="FILE",
+    help="Squares of the standard errors of a grid's values, in a file like it: noise is not kept as detail.",
+)
+@click.option("--counts", metavar="FILE", help="Numbers of samples that made them, instead.")
 @repair_option
 @json_option
 @with_input_errors
@@ -90,6 +96,8 @@ def reduce(
     raw: str | None,
     rank: int,
     component: str,
+    variance: str | None,
+    counts: str | None,
     repair: bool,
     as_json: bool,
 ) -> None:
@@ -108,20 +116,25 @@ def reduce(
       bsdftree reduce blinds.xml -o small.xml --size 1MB
       bsdftree reduce blinds.xml -o small.bsdft --leaves 20000 --packed
       bsdftree reduce grid.npy -o tree.xml --component reflection_back --l1 1
+      bsdftree reduce measured.npy -o tree.xml --counts samples.npy
       bsdftree reduce blinds.xml -o culled.xml --cull-percent 90
     """
+    noise = {"variance": variance, "counts": counts}
+    if (variance or counts) and (size or cull_percent is not None or not (raw or is_grid(source))):
+        raise click.UsageError("--variance and --counts are of a grid, without --size or --cull-percent")
     ways = (leaves, size, cull_percent, l1 if l1 is not None else rms)
     if sum(way is not None for way in ways) > 1 or (cull_percent is not None and total is not None):
         raise click.UsageError(
             "--leaves, --size, --cull-percent, and --l1 or --rms exclude each other; give one of them"
         )
-    if all(way is None for way in ways) and total is None:
+    if all(way is None for way in ways) and total is None and not (variance or counts):
         l1, total = 2.0, 1.0
     bounds = {"l1": l1, "rms": rms, "total": total}
     shares: dict[str, Any] = {name: bound / 100 for name, bound in bounds.items() if bound is not None}
     done = [f"{name} {bound:g} %" for name, bound in bounds.items() if bound is not None]
     sizes = {"leaves": leaves, "bytes": size}
     done += [f"{n} {what}" for what, n in sizes.items() if n is not None]
+    done += ["what differs by more than noise"] if variance or counts else []
     said = (
         f"culled by {cull_percent:g} % by rttree_reduce"
         if cull_percent is not None
@@ -129,7 +142,7 @@ def reduce(
     )
     file: FileKind = "xml" if not target.lower().endswith(".bsdft") else "packed" if packed else "bsdft"
     if (raw or is_grid(source)) and size is None:
-        reduced, rows = _reduced_grid(source, raw, rank, component, repair, leaves, cull_percent, shares)
+        reduced, rows = _reduced_grid(source, raw, rank, component, repair, leaves, cull_percent, shares, noise)
         named = reduced.with_header(provenance=[f"{said} by bsdftree"])
     else:
         bsdf = read_grid_tree(source, raw, rank, component, repair) if raw or is_grid(source) else read(source, repair)
@@ -150,12 +163,14 @@ def _reduced_grid(
     leaves: int | None,
     cull_percent: float | None,
     bounds: dict[str, Any],
+    noise: dict[str, str | None],
 ) -> tuple[Bsdf, list[Reduction]]:
     """Reduce a grid, without the whole tree in memory."""
     values = read_grid(source, rank, raw)
+    numbers: dict[str, Any] = {name: read_grid(path, rank, raw) for name, path in noise.items() if path}
     try:
         tree, loss, repairs = tree_of_grid(
-            values, strict=not repair, n_leaves=leaves, cull_percent=cull_percent, **bounds
+            values, strict=not repair, n_leaves=leaves, cull_percent=cull_percent, **bounds, **numbers
         )
     except ValueError as error:
         raise ValueError(grid_message(source, error)) from None

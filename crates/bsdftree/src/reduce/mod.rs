@@ -9,6 +9,7 @@
 mod source;
 mod measure;
 mod grid;
+mod noise;
 mod prune;
 mod totals;
 mod whole;
@@ -16,6 +17,8 @@ mod whole;
 use thiserror::Error;
 
 use crate::tree::{Arena, Content, Rank, Slot, Totals, Tree, TreeBuilder, TreeError};
+pub use noise::{Noise, SIGNIFICANCE};
+
 use grid::Grid;
 use measure::Measures;
 use prune::{Cost, Pruning, between, boundary, boundary_of_trees};
@@ -86,6 +89,9 @@ pub enum ReduceError {
     /// Values that are no grid.
     #[error(transparent)]
     Grid(#[from] TreeError),
+    /// Variances or counts that are none.
+    #[error("{0}; expected one number of at least 0 for each value")]
+    Noise(String),
     /// More incident cells than totals are kept of.
     #[error(
         "a tree of 2^{0} cells per axis is too fine to be reduced; convert it to a coarser one first (`convert --tree`)"
@@ -250,7 +256,8 @@ impl<S: Source> Reduction<S> {
             }
         }
         // The other bounds are not known of a pruning without its tree.
-        let holds = |p: &Pruning| p.cost.error <= most && goal.is_kept_by(&self.result(p.clone(), goal.total).1);
+        let holds =
+            |p: &Pruning| p.cost.error <= most && goal.is_kept_by(&self.result(p.clone(), goal.total).1);
         let [pruning, _] = boundary_of_trees(&self.measures, self.source.rank(), holds);
         self.result(pruning, goal.total)
     }

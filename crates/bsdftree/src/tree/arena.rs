@@ -61,6 +61,9 @@ pub enum Content {
 impl Slot {
     const NODE: u32 = 1 << 31;
 
+    /// A leaf of 0.
+    pub(crate) const BLACK: Slot = Slot(0);
+
     /// A link to a node.
     pub(crate) fn link(node: u32) -> Slot {
         Slot(node | Slot::NODE)
@@ -392,6 +395,17 @@ impl TreeBuilder {
             *child = self.subgrid(values, log2, level - 1, &mut at)?;
         }
         self.node(&children[..1 << d])
+    }
+
+    /// Number of nodes built.
+    pub(crate) fn n_nodes(&self) -> usize {
+        self.depths.len()
+    }
+
+    /// Forgets all nodes but the first ones.
+    pub(crate) fn truncate(&mut self, n_nodes: usize) {
+        self.depths.truncate(n_nodes);
+        self.lines.truncate((n_nodes * self.rank.n_children()).div_ceil(16));
     }
 
     /// Depth below a slot: 0 for a leaf.
