@@ -70,6 +70,11 @@ impl ReadError {
         ReadError::new(Place::File, found, expected)
     }
 
+    /// After so many bytes.
+    pub(crate) fn byte(byte: usize, found: impl Into<String>, expected: impl Into<String>) -> ReadError {
+        ReadError::new(Place::Byte(byte as u64), found, expected)
+    }
+
     pub(crate) fn in_file(mut self, path: &Path) -> ReadError {
         self.path.get_or_insert_with(|| path.to_owned());
         self

@@ -21,6 +21,10 @@ mod fred;
 mod workbook;
 mod rt300s;
 mod table;
+mod points;
+mod merl;
+mod tensor_file;
+mod rgl;
 mod plausible;
 
 pub use error::{Fault, Place, ReadError};
@@ -45,14 +49,25 @@ pub enum Format {
     Fred,
     /// Raw sheets of the scatterometer RT-300S.
     Rt300s,
+    /// The MERL database's binary reflectances.
+    Merl,
+    /// The RGL database's tensor files.
+    Rgl,
     /// A table with named columns, or columns that are told.
     Table,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 5] =
-        [Format::PabOpto, Format::Zemax, Format::Fred, Format::Rt300s, Format::Table];
+    pub const ALL: [Format; 7] = [
+        Format::PabOpto,
+        Format::Zemax,
+        Format::Fred,
+        Format::Rt300s,
+        Format::Merl,
+        Format::Rgl,
+        Format::Table,
+    ];
 
     /// The name by which people choose it: `pab-opto`.
     pub fn name(self) -> &'static str {
@@ -61,6 +76,8 @@ impl Format {
             Format::Zemax => "zemax",
             Format::Fred => "fred",
             Format::Rt300s => "rt-300s",
+            Format::Merl => "merl",
+            Format::Rgl => "rgl",
             Format::Table => "table",
         }
     }
@@ -74,6 +91,8 @@ impl Format {
             Format::Zemax => zemax::recognizes(&text),
             Format::Fred => fred::recognizes(&text),
             Format::Rt300s => workbook::recognizes(bytes),
+            Format::Merl => merl::recognizes(bytes),
+            Format::Rgl => tensor_file::recognizes(bytes),
             Format::Table => table::recognizes(&text),
         })
     }
@@ -140,6 +159,8 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
         Format::Zemax => each(&inputs, zemax::read)?,
         Format::Fred => each(&inputs, fred::read)?,
         Format::Rt300s => rt300s::read_all(&inputs)?,
+        Format::Merl => each(&inputs, merl::read)?,
+        Format::Rgl => each(&inputs, rgl::read)?,
         Format::Table => each(&inputs, |bytes| table::read(bytes, options.columns.as_deref()))?,
     };
     finished(measurement, options.side).map_err(|error| match paths {
