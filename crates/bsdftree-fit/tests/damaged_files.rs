@@ -65,6 +65,20 @@ fn real_files_that_are_damaged_do_no_harm() {
 }
 
 #[test]
+fn tables_that_are_damaged_do_no_harm() {
+    let row = |k: usize| format!("0.5,0.{},0.{},{},0.25\n", k % 7, k % 9, k % 5);
+    let rows: String = (0..40).map(row).collect();
+    let astm = format!("NUM_POINTS 40\nWAVELENGTH 0.55\nVARS theta_i,phi_i,theta_r,phi_r,f\n{rows}");
+    let table = format!("theta_i,phi_i,theta_o,phi_o,value\n{rows}");
+    let pab_opto =
+        format!("#format: theta phi DSF\n#incident_angle 30 0\n{}", "10 20 0.5\n30 40 0.25\n".repeat(20));
+    for (text, format) in [(astm, Format::Astm), (table, Format::Table), (pab_opto, Format::PabOpto)] {
+        let n_refused = refused("damaged", text.as_bytes(), format, 600);
+        assert!(n_refused > 150, "{}: {n_refused} refused", format.name());
+    }
+}
+
+#[test]
 fn garbage_is_refused_whatever_it_is_taken_for() {
     let mut random = Random(42);
     let folder = tempfile::tempdir().unwrap();

@@ -22,6 +22,8 @@ mod workbook;
 mod rt300s;
 mod table;
 mod points;
+mod spectrum;
+mod astm;
 mod merl;
 mod tensor_file;
 mod rgl;
@@ -49,6 +51,8 @@ pub enum Format {
     Fred,
     /// Raw sheets of the scatterometer RT-300S.
     Rt300s,
+    /// Tables of ASTM E1392.
+    Astm,
     /// The MERL database's binary reflectances.
     Merl,
     /// The RGL database's tensor files.
@@ -59,11 +63,12 @@ pub enum Format {
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 7] = [
+    pub const ALL: [Format; 8] = [
         Format::PabOpto,
         Format::Zemax,
         Format::Fred,
         Format::Rt300s,
+        Format::Astm,
         Format::Merl,
         Format::Rgl,
         Format::Table,
@@ -76,6 +81,7 @@ impl Format {
             Format::Zemax => "zemax",
             Format::Fred => "fred",
             Format::Rt300s => "rt-300s",
+            Format::Astm => "astm",
             Format::Merl => "merl",
             Format::Rgl => "rgl",
             Format::Table => "table",
@@ -91,6 +97,7 @@ impl Format {
             Format::Zemax => zemax::recognizes(&text),
             Format::Fred => fred::recognizes(&text),
             Format::Rt300s => workbook::recognizes(bytes),
+            Format::Astm => astm::recognizes(&text),
             Format::Merl => merl::recognizes(bytes),
             Format::Rgl => tensor_file::recognizes(bytes),
             Format::Table => table::recognizes(&text),
@@ -159,6 +166,7 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
         Format::Zemax => each(&inputs, zemax::read)?,
         Format::Fred => each(&inputs, fred::read)?,
         Format::Rt300s => rt300s::read_all(&inputs)?,
+        Format::Astm => each(&inputs, astm::read)?,
         Format::Merl => each(&inputs, merl::read)?,
         Format::Rgl => each(&inputs, rgl::read)?,
         Format::Table => each(&inputs, |bytes| table::read(bytes, options.columns.as_deref()))?,

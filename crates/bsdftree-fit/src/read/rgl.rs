@@ -9,7 +9,7 @@
 //! directions of the file are looked at, so nothing is interpolated between them.
 //!
 //! Source: J. Dupuy and W. Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering", SIGGRAPH Asia 2018.
-//! Deviation: X, Y, Z of spectra are by the approximations of Wyman, Sloan and Shirley (JCGT 2(2), 2013), in equal-energy light.
+//! X, Y, Z of spectra are those of [`super::spectrum`].
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,6 +21,7 @@ use crate::measurement::{Measurement, Scan, Symmetry};
 
 use super::error::ReadError;
 use super::points::around_mirror;
+use super::spectrum::weights;
 use super::tensor_file::TensorFile;
 
 /// Light from lower than this is left out \[rad\]: 89°.
@@ -245,34 +246,6 @@ impl Slice<'_> {
         };
         xyz.iter().all(|v| v.is_finite()).then_some(xyz)
     }
-}
-
-/// X, Y and Z of one unit at each wavelength \[nm\], such that a flat spectrum has its own value in all three.
-fn weights(wavelengths: &[f32]) -> Vec<[f64; 3]> {
-    let n = wavelengths.len();
-    let nm = |k: usize| f64::from(wavelengths[k.min(n - 1)]);
-    let weight = |k: usize| {
-        let width = if n > 1 { 0.5 * (nm(k + 1) - nm(k.saturating_sub(1))).abs() } else { 1.0 };
-        color_matching(nm(k)).map(|value| value * width)
-    };
-    let weights: Vec<[f64; 3]> = (0..n).map(weight).collect();
-    let sums = weights.iter().fold([1e-300; 3], |sum, w| [0, 1, 2].map(|c| sum[c] + w[c]));
-    weights.into_iter().map(|w| [0, 1, 2].map(|c| w[c] / sums[c])).collect()
-}
-
-/// The standard observer (2°, 1931), approximately.
-fn color_matching(nm: f64) -> [f64; 3] {
-    let lobe = |height: f64, middle: f64, left: f64, right: f64| {
-        let t = (nm - middle) * if nm < middle { left } else { right };
-        height * (-0.5 * t * t).exp()
-    };
-    [
-        lobe(0.362, 442.0, 0.0624, 0.0374)
-            + lobe(1.056, 599.8, 0.0264, 0.0323)
-            + lobe(-0.065, 501.1, 0.0490, 0.0382),
-        lobe(0.821, 568.8, 0.0213, 0.0247) + lobe(0.286, 530.9, 0.0613, 0.0322),
-        lobe(1.217, 437.0, 0.0845, 0.0278) + lobe(0.681, 459.0, 0.0385, 0.0725),
-    ]
 }
 
 #[cfg(test)]
