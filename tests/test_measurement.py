@@ -273,3 +273,44 @@ def test_measured_prints_draws_and_writes(data, tmp_path):
     summary = json.loads(run("measured", "--json", *written).output)
     assert [row["n_points"] for row in summary["scans"]] == [549, 542, 542, 542]
     assert run("measured", tmp_path / "x.png").exit_code == 1
+
+
+def test_up_stays_up_on_the_back(tmp_path):
+    scans = [(30, 90, direction_from_polar([40, 50], [90, 0]), np.array([1.0, 2.0]))]
+    (scan,) = Measurement.load(write_pab_opto(tmp_path, scans, "#upphi 90\n"), side="back").scans
+    np.testing.assert_allclose(scan.incident, direction_from_polar(150, 90), atol=1e-12)
+    # Seen from the room, what was to the right of the sample's front is to its left.
+    np.testing.assert_allclose(scan.exitant, direction_from_polar([140, 130], [90, 180]), atol=1e-9)
+
+
+def test_merl_files_keep_colour_and_reflectance(tmp_path):
+    scale = np.array([1 / 1500, 1.15 / 1500, 1.66 / 1500])
+    path = tmp_path / "red.binary"
+    with path.open("wb") as file:
+        np.array([90, 90, 180], "<i4").tofile(file)
+        for reflectance, s in zip((0.5, 0.2, 0.1), scale, strict=True):
+            np.full(90 * 90 * 180, reflectance / np.pi / s, "<f8").tofile(file)
+    merl = Measurement.load(path)
+    assert (merl.n_channels, merl.symmetry, len(merl.scans)) == (3, "isotropic", 9)
+    x, y, z = merl.scans[3].values[0] * np.pi
+    assert x > y > z > 0.1
+    assert all(row.total == pytest.approx(y, rel=1e-6) for row in merl.summary())
+
+
+def test_astm_tables_are_read_in_radians(tmp_path):
+    path = tmp_path / "x.astm"
+    rows = "\n".join(f"0.5,1,{t:.3f},{p:.3f},0.25" for t in (0.1, 0.8) for p in (0, 2, 4))
+    path.write_text(f"MANUFACTURER us\nNUM_POINTS 6\nVARS theta_i,phi_i,theta_r,phi_r,bsdf\n{rows}\n")
+    astm = Measurement.load(path)
+    assert (astm.manufacturer, astm.notes) == ("us", ["angles are taken as radians"])
+    np.testing.assert_allclose(polar_from_direction(astm.scans[0].incident), np.degrees([0.5, 1]))
+
+
+def test_doubtful_units_and_sides_are_noted(tmp_path):
+    exitant = hemisphere(1, 20)
+    scans = [(theta, 0, exitant, lobe(exitant, direction_from_polar(theta, 180), 20)) for theta in (20, 40, 60)]
+    assert Measurement.load(write_pab_opto(tmp_path, scans)).notes == []
+    percent = [(theta, phi, exitant, 100 * values) for theta, phi, exitant, values in scans]
+    assert "percent" in Measurement.load(write_pab_opto(tmp_path, percent)).notes[0]
+    turned = [(theta, 180, exitant, values) for theta, phi, exitant, values in scans]
+    assert "goes back" in Measurement.load(write_pab_opto(tmp_path, turned)).notes[0]
