@@ -21,6 +21,7 @@ from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._energyplus import energyplus
 from bsdftree._energyplus_file import save_energyplus
 from bsdftree._fit import Fit, FittedTrees, Recipe, fit
+from bsdftree._fit_summary import DirectionTotal, FitSummary, PartSummary
 from bsdftree._generate import generate
 from bsdftree._lobes import save_lobes
 from bsdftree._matrix_files import read_radiance_matrix, write_radiance_matrix
@@ -30,6 +31,7 @@ from bsdftree._peaks import Peak, PeakFamily
 from bsdftree._queries import Sample
 from bsdftree._reduce import Loss, Reduction
 from bsdftree._report import BandReport, GenerationReport, Resumed
+from bsdftree._standard_errors import ErrorByFlux, errors_by_flux
 
 __all__ = [
     "BandCheck",
@@ -37,10 +39,13 @@ __all__ = [
     "Bsdf",
     "Check",
     "Device",
+    "DirectionTotal",
     "Energy",
+    "ErrorByFlux",
     "Family",
     "Finding",
     "Fit",
+    "FitSummary",
     "FittedTrees",
     "Gamut",
     "GenerationReport",
@@ -50,6 +55,7 @@ __all__ = [
     "Mended",
     "Noise",
     "Parameter",
+    "PartSummary",
     "Peak",
     "PeakFamily",
     "Recipe",
@@ -64,6 +70,7 @@ __all__ = [
     "device_families",
     "direction_from_polar",
     "energyplus",
+    "errors_by_flux",
     "fit",
     "generate",
     "layer_absorptances",

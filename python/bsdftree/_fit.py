@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from bsdftree import _core
 from bsdftree._bsdf import Bsdf
+from bsdftree._fit_summary import FitSummary, summarize_fit
 from bsdftree._measurement import Array, Measurement, Path_, Symmetry
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Frame = Literal["fixed", "shift", "rotation", "half-vector"]
 
@@ -146,9 +150,28 @@ class Fit:
         """The trees of :meth:`trees`, without their errors; arguments as there."""
         return self.trees(rank, log2_res, tolerance=tolerance, progress=progress).bsdf
 
+    def summary(self, trees: FittedTrees | None = None) -> FitSummary:
+        """Say what was measured, how it was fitted and how good that is: what ``bsdftree fit`` prints.
+
+        Parameters
+        ----------
+        trees
+            What :meth:`trees` made, to have their sizes, totals and errors; those of the fit itself without them.
+        """
+        return summarize_fit(self, trees)
+
+    def plot(self, part: str | None = None, *, title: str | None = None) -> Figure:
+        """Draw measured points beside fitted values and their errors: :func:`bsdftree.plot.fit`."""
+        from bsdftree.plot import fit
+
+        return fit(self, part, title=title)
+
     def __repr__(self) -> str:
-        recipes = "; ".join(f"{part}: {rows[0].frame}, error {rows[0].l1:.1%}" for part, rows in self.recipes.items())
-        return f"Fit({self.symmetry}; {recipes})"
+        lines = [f"Fit of {self.measurement!r}", f"  {self.symmetry}: {self.symmetry_reason}"]
+        for part, (used, *_) in self.recipes.items():
+            scores = "no scan can be left out" if used.l1 != used.l1 else f"left-out scans {used.l1:.1%} off"
+            lines.append(f"  {part}: {used.frame} frame, {used.blend}, {scores}")
+        return "\n".join(lines)
 
 
 def fit(

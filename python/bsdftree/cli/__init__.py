@@ -8,6 +8,7 @@ from bsdftree import __version__
 from bsdftree.cli.check import check
 from bsdftree.cli.convert import convert
 from bsdftree.cli.eval import eval_
+from bsdftree.cli.fit import fit
 from bsdftree.cli.from_function import from_function
 from bsdftree.cli.genbsdf import genbsdf
 from bsdftree.cli.generate import generate
@@ -32,6 +33,7 @@ def main() -> None:
     Typical use:
       bsdftree generate blinds.rad -o blinds.xml      device geometry to BSDF
       bsdftree genbsdf -t4 5 blinds.rad > blinds.xml  the same by Radiance's command line
+      bsdftree fit film_*.txt -o film.xml             measurements to BSDF
       bsdftree info blinds.xml                        what is in it
       bsdftree check blinds.xml                       does it obey physics
       bsdftree plot blinds.xml -o blinds.png          see it
@@ -54,6 +56,7 @@ for _verb in (
     lobes,
     from_function,
     measured,
+    fit,
     merge,
     stack,
     convert,

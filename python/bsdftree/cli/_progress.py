@@ -1,22 +1,35 @@
-"""Progress of path tracing on standard error."""
+"""Progress on standard error."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from bsdftree.cli._common import stderr
 
 
-class PathsBar:
-    """A progress bar with rate and time left, shown if the work takes over a second."""
+class WorkBar:
+    """A progress bar with rate and time left, shown on terminals if the work takes long.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    doing, after
+        What is done, and what once all is counted.
+    rate
+        The text of a rate [1/s].
+    patience
+        For how long nothing is shown [s].
+    """
+
+    def __init__(self, doing: str, after: str, rate: Callable[[float], str], patience: float = 1.0) -> None:
+        self._doing, self._after, self._rate, self._patience = doing, after, rate, patience
         self._progress: Progress | None = None
         self._begin = time.perf_counter()
 
-    def __enter__(self) -> PathsBar:
+    def __enter__(self) -> WorkBar:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -24,10 +37,10 @@ class PathsBar:
             self._progress.stop()
 
     def update(self, done: int, total: int) -> None:
-        """Show paths done of paths to do."""
+        """Show how much is done of what is to do; nothing is known of a total of 0."""
         elapsed = time.perf_counter() - self._begin
         if self._progress is None:
-            if elapsed < 1.0 or total == 0 or not stderr.is_terminal:
+            if elapsed < self._patience or total == 0 or not stderr.is_terminal:
                 return
             self._progress = Progress(
                 TextColumn("{task.description}"),
@@ -40,8 +53,28 @@ class PathsBar:
                 transient=True,
             )
             self._progress.start()
-            self._task = self._progress.add_task("tracing", total=total, rate="")
+            self._task = self._progress.add_task(self._doing, total=total, rate="")
         if done < total:
-            self._progress.update(self._task, completed=done, rate=f"{done / elapsed / 1e6:.2f} M paths/s")
+            self._progress.update(self._task, completed=done, rate=self._rate(done / elapsed))
         else:
-            self._progress.update(self._task, completed=done, description="reducing")
+            self._progress.update(self._task, completed=done, description=self._after)
+
+
+def paths_bar() -> WorkBar:
+    """Of path tracing."""
+    return WorkBar("tracing", "reducing", lambda rate: f"{rate / 1e6:.2f} M paths/s")
+
+
+def cells_bar() -> WorkBar:
+    """Of trees from fits, counted by incident cell."""
+    return WorkBar("trees", "errors", lambda rate: f"{rate:,.0f} incident cells/s", patience=2.0)
+
+
+@contextmanager
+def spinner(doing: str) -> Iterator[None]:
+    """What is done while it cannot be said how far it is."""
+    if not stderr.is_terminal:
+        yield
+        return
+    with stderr.status(doing):
+        yield

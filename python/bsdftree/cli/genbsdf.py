@@ -21,7 +21,7 @@ from bsdftree._device import METERS
 from bsdftree.cli._common import input_errors, printable
 from bsdftree.cli._genbsdf_input import read_input
 from bsdftree.cli._genbsdf_words import USAGE, Request, UsageError, request
-from bsdftree.cli._progress import PathsBar
+from bsdftree.cli._progress import paths_bar
 
 PATHS_PER_SAMPLE = {"klems": 64, "tree": 16}
 """A sample of genBSDF sends out up to 700 rays where it meets a diffuse surface, a path of ours one; in trees, diffuse
@@ -149,7 +149,7 @@ def _generated(asked: Request, words: Sequence[str], scene: bytes | None, folder
     if folder is not None and asked.checkpoint is None:
         click.echo(f"Recover using: bsdftree genbsdf -recover {folder}", err=True)
     reports: list[GenerationReport] = []
-    with PathsBar() as bar:
+    with paths_bar() as bar:
         bsdf = bsdftree.generate(
             given.device,  # type: ignore[arg-type]
             rank=asked.rank or 4,

@@ -16,7 +16,7 @@ import bsdftree
 from bsdftree import Device, GenerationReport, Resumed, device_families
 from bsdftree._device import format_of
 from bsdftree.cli._common import BASES, PERCENT, json_option, print_json, stderr, stdout, table, tell, with_input_errors
-from bsdftree.cli._progress import PathsBar
+from bsdftree.cli._progress import paths_bar
 from bsdftree.cli.info import summarize
 
 _UNITS = ["meter", "foot", "inch", "centimeter", "millimeter"]
@@ -295,7 +295,7 @@ def generate(
     reports: list[GenerationReport] = []
     limit = samples if samples is not None else 2000 if tolerance is None and time_budget is None else None
     begin = time.perf_counter()
-    with _kept(checkpoint), PathsBar() as bar:
+    with _kept(checkpoint), paths_bar() as bar:
         bsdf = bsdftree.generate(
             device,
             rank=int(rank),

@@ -8,7 +8,7 @@ from typing import Any
 import click
 from rich.console import Console
 
-from bsdftree import Bsdf, PeakFamily, Tree, polar_from_direction
+from bsdftree import Bsdf, PeakFamily, Tree, errors_by_flux, polar_from_direction
 from bsdftree._queries import Part
 from bsdftree._totals import mean_total, totals_by_azimuth
 from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
@@ -32,18 +32,35 @@ _wide = Console(soft_wrap=True, width=200)
     metavar="PERCENT",
     help="With --peaks: least part of the light in a peak.",
 )
+@click.option(
+    "--errors",
+    "errors_file",
+    type=click.Path(),
+    metavar="FILE",
+    help="Standard errors that bsdftree fit --errors wrote of one BSDF: say how well it is known.",
+)
 @repair_option
 @json_option
 @with_input_errors
-def info(files: tuple[str, ...], peaks: bool, min_strength: float, repair: bool, as_json: bool) -> None:
+def info(
+    files: tuple[str, ...],
+    peaks: bool,
+    min_strength: float,
+    errors_file: str | None,
+    repair: bool,
+    as_json: bool,
+) -> None:
     """Say what is in BSDF files: size, components, resolution, reflectance and transmittance.
 
     \b
     Examples:
       bsdftree info blinds.xml
       bsdftree info --peaks glazing.xml
+      bsdftree info --errors film_errors.xml film.xml
       bsdftree info --json *.xml
     """
+    if errors_file and len(files) > 1:
+        raise click.UsageError("--errors are of one BSDF; give one file")
     summaries = []
     for path in files:
         bsdf = read(path, repair)
@@ -52,11 +69,26 @@ def info(files: tuple[str, ...], peaks: bool, min_strength: float, repair: bool,
             for band in summary["bands"]:
                 families = bsdf.peaks(min_strength=min_strength / 100, band=band["band"])
                 band["peaks"] = [summarize_peaks(family) for family in families]
+        if errors_file:
+            _add_errors(summary, bsdf, errors_file, repair)
         summaries.append(summary)
         if not as_json:
             show(summary)
     if as_json:
         print_json(summaries if len(summaries) > 1 else summaries[0])
+
+
+def _add_errors(summary: dict[str, Any], bsdf: Bsdf, path: str, repair: bool) -> None:
+    """Put into each component how well it is known."""
+    errors = read(path, repair)
+    for band in summary["bands"]:
+        try:
+            known = errors_by_flux(bsdf, errors, band["band"])
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+        for component in band["components"]:
+            of_component = known[component["component"]]
+            component |= {"standard_error": of_component.mean, "uncertain": of_component.uncertain}
 
 
 def _totals(bsdf: Bsdf, band: str) -> list[dict[str, Any]]:
@@ -222,9 +254,10 @@ def show(summary: dict[str, Any]) -> None:
     for line in summary["provenance"]:
         stdout.print(line, style="dim", highlight=False, markup=False)
     for band in summary["bands"]:
-        components = table(
-            "component", "kind", "resolution", ">values", ">memory", ">Lambertian", "color", title=f"\n{band['band']}"
-        )
+        known = "standard_error" in band["components"][0]
+        columns = ("component", "kind", "resolution", ">values", ">memory", ">Lambertian", "color")
+        of_errors = (">standard error", ">of light > 25 %") if known else ()
+        components = table(*columns, *of_errors, title=f"\n{band['band']}")
         for c in band["components"]:
             components.add_row(
                 c["component"],
@@ -234,6 +267,7 @@ def show(summary: dict[str, Any]) -> None:
                 f"{c['bytes'] / 1024:,.1f} KiB",
                 f"{100 * c['lambertian']:.2f} %",
                 "yes" if c["color"] else "no",
+                *(f"{100 * c[key]:.1f} %" for key in ("standard_error", "uncertain") if known),
             )
         stdout.print(components)
         angles = (f">{t}°" for t in _THETAS_DEG)

@@ -17,6 +17,7 @@ except ModuleNotFoundError as _missing:
         name="matplotlib",
     ) from _missing
 
+from bsdftree.plot._fit import fit
 from bsdftree.plot._hemisphere import hemisphere
 from bsdftree.plot._image import whole_image
 from bsdftree.plot._measurement import measurement
@@ -25,4 +26,4 @@ from bsdftree.plot._polar import polar
 from bsdftree.plot._style import save
 from bsdftree.plot._whole import whole
 
-__all__ = ["hemisphere", "measurement", "overview", "polar", "save", "whole", "whole_image"]
+__all__ = ["fit", "hemisphere", "measurement", "overview", "polar", "save", "whole", "whole_image"]
