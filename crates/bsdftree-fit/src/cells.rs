@@ -1,6 +1,7 @@
 //! A fitted model over the cells of a tree: means over incident and exitant cell.
 //!
-//! Two pairs of points for each pair of cells, four where the two differ, and sixteen where the four do. Rows are brought to the totals that were measured.
+//! Two pairs of points for each pair of cells, four where the two differ; sixteen where those do or cells beside each other differ, and
+//! where the sixteen do, every point of one cell with every point of the other. Rows are brought to the totals that were measured.
 
 use bsdftree::Rank;
 use bsdftree::square::disk_from_square;
@@ -8,7 +9,7 @@ use bsdftree::square::disk_from_square;
 use crate::lambert::Ray;
 
 /// Strata of a cell along an axis.
-const STRATA: usize = 2;
+const STRATA: usize = 4;
 /// Points of a cell.
 pub(crate) const N_POINTS: usize = STRATA * STRATA;
 
@@ -77,25 +78,64 @@ pub(crate) fn upper([x, y]: [f64; 2]) -> Ray {
     [x as f32, y as f32, (1.0 - x * x - y * y).max(0.0).sqrt() as f32]
 }
 
-/// The mean of `f(incident point, exitant point)` over a pair of cells.
+/// Four incident points, the first two opposite each other and the others too, one in each row and column of strata.
+pub(crate) const FOUR: [usize; 4] = [4, 11, 13, 2];
+
+/// The exitant point that an incident one is paired with: a quarter turn on, so that their differences are spread evenly too.
+fn partner(point: usize) -> usize {
+    (STRATA - 1 - point % STRATA) * STRATA + point / STRATA
+}
+
+/// Whether values that lie between two are as good as equal, in units of the mean or of the level.
+fn is_smooth(low: f32, high: f32, mean: f32, level: f32, rough: f32) -> bool {
+    high - low <= rough * mean.max(level)
+}
+
+/// The mean of `f(incident point, exitant point)` over a pair of cells by two or four pairs, and whether they are too few.
 #[inline]
-pub(crate) fn mean(level: f32, mut f: impl FnMut(usize, usize) -> f32) -> f32 {
-    /// Each incident point with one exitant point, no two alike.
-    const PARTNER: [usize; N_POINTS] = [0, 2, 3, 1];
-    /// Difference, in units of the mean or of the level, over which more points are taken: after two, after four.
+pub(crate) fn first_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> (f32, bool) {
+    /// Difference over which more points are taken: after two, after four.
     const ROUGH: [f32; 2] = [0.06, 0.2];
-    let is_smooth = |low: f32, high: f32, mean: f32, rough: f32| high - low <= rough * mean.max(level);
-    let (a, b) = (f(0, PARTNER[0]), f(2, PARTNER[2]));
-    if is_smooth(a.min(b), a.max(b), 0.5 * (a + b), ROUGH[0]) {
-        return 0.5 * (a + b);
+    let [a, b] = [FOUR[0], FOUR[1]].map(|i| f(i, partner(i)));
+    if is_smooth(a.min(b), a.max(b), 0.5 * (a + b), level, ROUGH[0]) {
+        return (0.5 * (a + b), false);
     }
-    let four = [a, f(1, PARTNER[1]), b, f(3, PARTNER[3])];
-    let sum: f32 = four.iter().sum();
-    let (low, high) = four.iter().fold((f32::MAX, 0f32), |(l, h), &v| (l.min(v), h.max(v)));
-    if is_smooth(low, high, 0.25 * sum, ROUGH[1]) {
-        return 0.25 * sum;
+    let [c, d] = [FOUR[2], FOUR[3]].map(|i| f(i, partner(i)));
+    let mean = 0.25 * (a + b + c + d);
+    let (low, high) = (a.min(b).min(c).min(d), a.max(b).max(c).max(d));
+    (mean, !is_smooth(low, high, mean, level, ROUGH[1]))
+}
+
+/// The mean over a pair of cells that a few pairs of points are too few for.
+pub(crate) fn fine_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> f32 {
+    /// Difference of sixteen over which all are taken.
+    const ROUGH: f32 = 0.6;
+    let (mut sum, mut low, mut high) = (0f32, f32::MAX, 0f32);
+    for value in (0..N_POINTS).map(|i| f(i, partner(i))) {
+        (sum, low, high) = (sum + value, low.min(value), high.max(value));
     }
-    let others =
-        (0..N_POINTS).flat_map(|i| (0..N_POINTS).filter(move |&o| PARTNER[i] != o).map(move |o| (i, o)));
-    (sum + others.map(|(i, o)| f(i, o)).sum::<f32>()) / (N_POINTS * N_POINTS) as f32
+    let mean = sum / N_POINTS as f32;
+    if is_smooth(low, high, mean, level, ROUGH) {
+        return mean;
+    }
+    let all = (0..N_POINTS).flat_map(|i| (0..N_POINTS).map(move |o| (i, o)));
+    all.map(|(i, o)| f(i, o)).sum::<f32>() / (N_POINTS * N_POINTS) as f32
+}
+
+/// Whether an exitant cell differs so much from one beside it that an edge may lie between its points.
+pub(crate) fn beside_edge(means: &[f32], n: usize, cell: usize, level: f32) -> bool {
+    const ROUGH: f32 = 0.4;
+    let (row, column) = (cell / n, cell % n);
+    let beside = [
+        (row > 0).then(|| cell - n),
+        (row + 1 < n).then(|| cell + n),
+        (column > 0).then(|| cell - 1),
+        (column + 1 < n).then(|| cell + 1),
+    ];
+    let value = means[cell];
+    beside
+        .into_iter()
+        .flatten()
+        .map(|k| means[k])
+        .any(|v| (v - value).abs() > ROUGH * v.max(value).max(level))
 }

@@ -1,5 +1,6 @@
 //! A fitted model → trees.
 
+use std::cell::OnceCell;
 use std::sync::atomic::Ordering;
 
 use bsdftree::Rank;
@@ -7,6 +8,7 @@ use bsdftree::square::disk_from_square;
 use bsdftree::tree::{Content, Leaf, Slot, Tree, TreeBuilder, TreeError};
 use rayon::prelude::*;
 
+use crate::blend::Slice;
 use crate::cells::{self, Cells};
 use crate::fit::{FitError, Progress};
 use crate::lambert::Ray;
@@ -46,15 +48,34 @@ impl Model {
         let turns = cells.incident(cell).map(|i| self.turn(i));
         let mut points = cells.incident(cell);
         points.iter_mut().zip(turns).for_each(|(i, turn)| *i = turned(*i, turn));
-        let slices = points.map(|i| self.slice(channel, i));
-        let mean =
-            |total: &dyn Fn(usize) -> f64| (0..points.len()).map(total).sum::<f64>() / points.len() as f64;
-        let own = mean(&|k| slices[k].1);
+        let slices: [OnceCell<Slice<'_>>; cells::N_POINTS] = Default::default();
+        let slice = |k: usize| slices[k].get_or_init(|| self.slice(channel, points[k]).0);
+        let mean = |total: &dyn Fn(usize) -> f64| {
+            cells::FOUR.map(total).iter().sum::<f64>() / cells::FOUR.len() as f64
+        };
+        let own = mean(&|k| {
+            let (slice, total) = self.slice(channel, points[k]);
+            slices[k].get_or_init(|| slice);
+            total
+        });
         let all = own + others.iter().map(|other| mean(&|k| other.slice(channel, points[k]).1)).sum::<f64>();
         let total = own / all.max(1.0);
         let level = 0.2 * (total / std::f64::consts::PI) as f32;
-        for (value, exitant) in row.iter_mut().zip(exitant) {
-            *value = cells::mean(level, |i, o| slices[i].0.value(turned(exitant[o], turns[i])));
+        let value = |c: usize| move |i: usize, o: usize| slice(i).value(turned(exitant[c][o], turns[i]));
+        let rough: Vec<bool> = row
+            .iter_mut()
+            .enumerate()
+            .map(|(c, mean)| {
+                let rough;
+                (*mean, rough) = cells::first_mean(level, value(c));
+                rough
+            })
+            .collect();
+        let first = row.to_vec();
+        for (c, mean) in row.iter_mut().enumerate() {
+            if rough[c] || cells::beside_edge(&first, cells.n(), c, level) {
+                *mean = cells::fine_mean(level, value(c));
+            }
         }
         let sum = row.iter().map(|&v| f64::from(v)).sum::<f64>() * cells.omega();
         if sum > 0.0 {
