@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benches.fit import contender, gonio, judge, truths
+from benches.fit import contender, gonio, judge, report, truths
 from benches.fit.contender import Contender
+from radiance import needs_radiance
 
 import bsdftree
 
@@ -102,3 +103,46 @@ def test_left_out_directions_were_not_measured():
         assert np.degrees(np.arccos(np.max(court.middle[court.inside] @ measured.T))) >= 2
         assert court.inside.any()
         assert not court.inside.all()
+
+
+def fit_of(name: str, points: int, **options: str) -> tuple[judge.Court, contender.Contender]:
+    material = truths.find([name])[0]
+    model = contender.model(gonio.measure(material, points=points), **options)[0]
+    return judge.court(material, 5 if material.rank == 4 else 6), model
+
+
+@pytest.mark.parametrize("name", ["ggx-iso", "mixed-iso", "ward-iso", "sharp-iso", "sharp"])
+def test_left_out_directions_are_predicted(name):
+    court, model = fit_of(name, 1500)
+    verdict = judge.point_by_point(court, model)
+    target, counts = court.material.target, court.counts
+    assert verdict.l1[counts].mean() <= target.error
+    assert verdict.total[counts].mean() <= target.hemispherical
+    assert verdict.covered[counts].mean() >= report.COVERED
+
+
+@pytest.mark.parametrize("name", [name for name, _ in truths.MERL])
+def test_published_fits_are_predicted(name, data):
+    court, model = fit_of(name, 1500)
+    verdict = judge.point_by_point(court, model)
+    assert verdict.l1[court.counts].mean() <= court.material.target.error
+    assert verdict.total[court.counts].mean() <= court.material.target.hemispherical
+    assert verdict.covered[court.counts].mean() >= report.COVERED
+
+
+def test_trees_are_means_over_cells_at_a_sharp_edge():
+    material = truths.find(["sharp-iso"])[0]
+    court = judge.court(material, 5)
+    verdict = judge.in_cells(court, contender.tree(gonio.measure(material, points=1500), 3, 5))
+    assert verdict.l1[court.counts].mean() <= material.target.error
+    assert verdict.total[court.counts].mean() <= material.target.hemispherical
+
+
+@needs_radiance
+def test_error_is_a_quarter_of_pabopto2bsdfs(tmp_path):
+    material = truths.find(["mixed-iso"])[0]
+    scans = gonio.measure(material)
+    court = judge.court(material, 6)
+    theirs = contender.radiance(gonio.write(scans, tmp_path / "scans", material.name), 6, tmp_path)
+    case = report.Case(court, judge.in_cells(court, contender.tree(scans, 3, 6)), judge.in_cells(court, theirs))
+    assert case.misses() == []
