@@ -314,3 +314,22 @@ def test_doubtful_units_and_sides_are_noted(tmp_path):
     assert "percent" in Measurement.load(write_pab_opto(tmp_path, percent)).notes[0]
     turned = [(theta, 180, exitant, values) for theta, phi, exitant, values in scans]
     assert "goes back" in Measurement.load(write_pab_opto(tmp_path, turned)).notes[0]
+
+
+def test_azimuths_of_zemax_files_have_the_sense_of_the_raw_sheets(data):
+    made = Measurement.load(data / "ua-loft/processed/zemax/IMX455.bsdf")
+    raw = Measurement.load(sorted((data / "ua-loft/raw/rt-300s").glob("IMX455*.xls")))
+    assert len(raw.scans) == 16
+    for scan in raw.scans:
+        twin = made.scans[np.argmax([other.incident @ scan.incident for other in made.scans])]
+        np.testing.assert_allclose(twin.incident, scan.incident, atol=1e-9)
+        along = scan.incident * [1, 1, 0] / np.hypot(*scan.incident[:2])
+        height = twin.exitant * [0, 0, 1]
+        mirrored = 2 * np.outer(twin.exitant @ along, along) - twin.exitant * [1, 1, 0] + height
+        correlations = []
+        for exitant in (twin.exitant, mirrored):
+            cosine = exitant @ scan.exitant.T
+            near = cosine.max(1) > np.cos(np.radians(2))
+            values = scan.values[cosine.argmax(1)[near]], twin.values[near]
+            correlations.append(np.corrcoef(*np.log(np.maximum(values, 1e-4)))[0, 1])
+        assert correlations[0] > correlations[1] + 0.05, scan.source

@@ -1,7 +1,8 @@
 //! Measurements as pab-opto's text, which Radiance's pabopto2bsdf takes.
 //!
 //! In: a [`Measurement`]. Out: files, one for each part of each scan, since pabopto2bsdf takes one part in a run. Angles and values
-//! are written to the last bit; azimuths are ours (`#upphi 90`). Errors and notes have no place in the format, and are left out.
+//! are written to the last bit; azimuths are ours (`#upphi 90`). `#symmetry` and `#wavelength_nm` are for ourselves: Radiance skips them.
+//! Errors and notes have no place in the format, and are left out.
 
 use std::fmt::Write;
 
@@ -51,6 +52,12 @@ fn text(measurement: &Measurement, scan: &Scan, points: &[usize]) -> String {
     if !name.is_empty() {
         let _ = writeln!(text, "#sample_name \"{name}\"");
     }
+    if let Some(symmetry) = measurement.symmetry {
+        let _ = writeln!(text, "#symmetry {}", symmetry.name());
+    }
+    if let Some(nm) = measurement.wavelength_nm {
+        let _ = writeln!(text, "#wavelength_nm {nm}");
+    }
     let n = measurement.n_channels;
     let [theta, phi] = degrees(scan.incident);
     let colorimetry = if n == 3 { "CIE-XYZ" } else { "CIE-Y" };
@@ -99,6 +106,8 @@ mod tests {
             n_channels: 3,
             scans: (0..4).map(scan).collect(),
             name: Some("a sample".into()),
+            symmetry: Some(crate::Symmetry::Quadrilateral),
+            wavelength_nm: Some(650.25),
             ..Measurement::default()
         };
         let folder = tempfile::tempdir().unwrap();
@@ -109,6 +118,7 @@ mod tests {
         }
         let read = read_files(&paths, &Options::default()).unwrap();
         assert_eq!((read.n_channels, &read.name, read.scans.len()), (3, &written.name, 4));
+        assert_eq!((read.symmetry, read.wavelength_nm), (written.symmetry, written.wavelength_nm));
         for (a, b) in read.scans.iter().zip(&written.scans) {
             for (k, o) in b.exitant.iter().enumerate() {
                 // The order of points is that of the parts.

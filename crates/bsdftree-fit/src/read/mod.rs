@@ -149,8 +149,11 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
         let bytes = read_bytes(path).map_err(|error| error.in_file(path))?;
         let found = format.filter(|_| is_given).or_else(|| Format::of(&bytes)).ok_or_else(|| {
             let names = Format::ALL.map(Format::name).join(", ");
-            ReadError::file("no format that is known", format!("one of {names}; the format may be given"))
-                .in_file(path)
+            ReadError::file(
+                "no format that is known",
+                format!("one of {names}; say which, or which columns of a table are what"),
+            )
+            .in_file(path)
         })?;
         match *format.get_or_insert(found) {
             format if format == found => {}

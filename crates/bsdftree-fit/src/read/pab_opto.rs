@@ -5,13 +5,13 @@
 //! the cosine of the exitant direction in it, which is divided out), `#incident_angle THETA PHI` or `#intheta` and `#inphi`, `#upphi`,
 //! `#colorimetry: CIE-Y` or `CIE-XYZ` (three values a line). Angles are in degrees, both directions point away from the sample, θ is
 //! counted from its front, over 90° on the back; a negative θ lies on the other side of the normal. `#upphi` is the azimuth of *up*,
-//! 0 if absent, so our azimuth is φ + 90° − upphi.
+//! 0 if absent, so our azimuth is φ + 90° − upphi. `#symmetry` and `#wavelength_nm` are our own, as [`crate::write`] has them.
 //!
 //! Source: the manual page of pabopto2bsdf, and what the program does.
 //! Deviations: an unknown colorimetry, words after the numbers of a line and lines of `#` after them are refused, where pabopto2bsdf
 //! ignores the first and stops reading at the others.
 
-use crate::measurement::{Measurement, Scan};
+use crate::measurement::{Measurement, Scan, Symmetry};
 
 use super::error::ReadError;
 use super::text::{self, Line, decoded, direction, lines};
@@ -25,6 +25,8 @@ struct Header {
     phi_deg: Option<f64>,
     up_phi_deg: f64,
     is_color: bool,
+    symmetry: Option<Symmetry>,
+    wavelength_nm: Option<f64>,
 }
 
 /// Whether the first lines are such a header.
@@ -58,8 +60,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Measurement, ReadError> {
     for line in body {
         add_point(&mut scan, line, n_channels, turn_deg, is_dsf)?;
     }
-    let name = header.name.filter(|name| !name.is_empty());
-    Ok(Measurement { n_channels, scans: vec![scan], name, ..Measurement::default() })
+    let name = header.name.take().filter(|name| !name.is_empty());
+    let Header { symmetry, wavelength_nm, .. } = header;
+    Ok(Measurement { n_channels, scans: vec![scan], name, symmetry, wavelength_nm, ..Measurement::default() })
 }
 
 fn add_point(
@@ -125,6 +128,8 @@ impl Header {
                     _ => return Err(ReadError::line(line, format!("{text:?}"), "CIE-Y or CIE-XYZ")),
                 }
             }
+            "symmetry" => self.symmetry = Symmetry::ALL.into_iter().find(|symmetry| symmetry.name() == rest),
+            "wavelength_nm" => self.wavelength_nm = Some(text::number(line, rest, "a wavelength in nm")?),
             "upphi" => self.up_phi_deg = angles(1)?[0],
             "intheta" => self.theta_deg = Some(polar(line, angles(1)?[0])?),
             "inphi" => self.phi_deg = Some(angles(1)?[0]),
