@@ -290,6 +290,7 @@ def test_real_files_become_lawful_trees(data, run, tmp_path, name):
     assert "in use" in result.stdout and "extrapolated" in result.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
     bsdf = bsdftree.load(out)
+    assert bsdf.provenance[1].startswith("Extrapolated: reflection_back of 11.7 % of incident directions")
     assert "isotropic" in bsdf.provenance[0] and "AnoBlack" in bsdf.name
     checked = run("check", out)
     assert checked.exit_code == 0, checked.output

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from bsdftree import _core
 from bsdftree._bsdf import Bsdf
-from bsdftree._fit_summary import FitSummary, summarize_fit
+from bsdftree._fit_summary import FitSummary, extrapolation, summarize_fit
 from bsdftree._measurement import Array, Measurement, Path_, Symmetry
 
 if TYPE_CHECKING:
@@ -132,9 +132,10 @@ class Fit:
         trees, errors = self._core.bsdf(rank=rank, log2_res=log2_res, tolerance=tolerance, progress=progress)
         recipes = ", ".join(f"{part} {rows[0].frame}" for part, rows in self.recipes.items())
         made = f"Fitted by: bsdftree {_core.__version__} fit ({self.symmetry}; {recipes})"
+        told = [made, *(extrapolation(self, part) for part in self.recipes)]
         name, manufacturer = self.measurement.name, self.measurement.manufacturer
         whole, uncertain = (
-            Bsdf(core).with_header(name=name, manufacturer=manufacturer, provenance=[made, *notes])
+            Bsdf(core).with_header(name=name, manufacturer=manufacturer, provenance=[*told, *notes])
             for core, notes in ((trees, []), (errors, ["Standard errors in place of values"]))
         )
         return FittedTrees(whole, uncertain)

@@ -142,6 +142,17 @@ def summarize_fit(fit: Fit, trees: FittedTrees | None = None) -> FitSummary:
     )
 
 
+def extrapolation(fit: Fit, component: str) -> str:
+    """A sentence for files that are made of a fit: what of a component was not measured."""
+    scans = scans_of(fit.measurement, component)
+    share = _outside([scan.incident for scan in scans], fit.symmetry)
+    theta_deg = polar_of(scans[-1].incident)[0]
+    return (
+        f"Extrapolated: {component} of {100 * share:.1f} % of incident directions; polar angles up to "
+        f"{theta_deg:.1f} degrees were measured"
+    )
+
+
 def scans_of(measurement: Measurement, component: str) -> list[Scan]:
     """The scans of a component by polar angle and azimuth, with its points alone and Y alone of colour."""
     incident, exitant = sides_of(component)

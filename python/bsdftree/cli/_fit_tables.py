@@ -29,14 +29,16 @@ def show(summary: FitSummary) -> None:
 def _show_part(part: PartSummary) -> None:
     side = "the room" if part.component.endswith("back") else "outside"
     _say(f"\n{part.component} (light from {side})", "bold")
-    recipes = table("", "frame", "weights", "base", "swapped pairs", ">error of left-out scans", ">worst")
+    swapped = any(recipe.reciprocal for recipe in part.recipes)
+    columns = ("", "frame", "weights", "base", *(("swapped pairs",) if swapped else ()))
+    recipes = table(*columns, ">error of left-out scans", ">worst")
     for k, recipe in enumerate(part.recipes[:_N_RECIPES]):
         recipes.add_row(
             "in use" if k == 0 else "",
             recipe.frame,
             recipe.blend,
             "stays" if recipe.split else "moves",
-            "averaged" if recipe.reciprocal else "–",
+            *(("averaged" if recipe.reciprocal else "–",) if swapped else ()),
             _percent(recipe.l1),
             _percent(recipe.worst),
         )
