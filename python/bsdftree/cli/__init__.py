@@ -33,6 +33,7 @@ def main() -> None:
     Typical use:
       bsdftree generate blinds.rad -o blinds.xml      device geometry to BSDF
       bsdftree genbsdf -t4 5 blinds.rad > blinds.xml  the same by Radiance's command line
+      bsdftree measured film_*.txt                    what a goniophotometer measured
       bsdftree fit film_*.txt -o film.xml             measurements to BSDF
       bsdftree info blinds.xml                        what is in it
       bsdftree check blinds.xml                       does it obey physics

@@ -14,8 +14,18 @@ use crate::summary::summary;
 /// Scattered fraction that noise and coarse points may reach.
 const LARGEST_TOTAL: f64 = 1.15;
 
+/// Most scans that are looked at, evenly spread.
+const MOST_SCANS: usize = 200;
+
 /// What is doubtful.
 pub(super) fn doubts(measurement: &Measurement) -> Vec<String> {
+    let step = measurement.scans.len().div_ceil(MOST_SCANS).max(1);
+    let measurement = &Measurement {
+        n_channels: measurement.n_channels,
+        scans: measurement.scans.iter().step_by(step).cloned().collect(),
+        symmetry: measurement.symmetry,
+        ..Measurement::default()
+    };
     let n = measurement.n_channels;
     // Y of X, Y, Z.
     let channel = if n == 3 { 1 } else { 0 };
