@@ -17,7 +17,7 @@ from bsdftree._measurement import Array, Measurement, Path_, Symmetry
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Frame = Literal["fixed", "shift", "rotation", "half-vector"]
+Frame = Literal["fixed", "shift", "rotation", "half-vector", "lobes"]
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Recipe:
     """One way to interpolate between incident directions, and how well it predicts scans that are left out."""
 
     frame: str
-    """How lobes move with the incident direction: ``fixed``, ``shift``, ``rotation`` or ``half-vector``."""
+    """How lobes move with the incident direction: ``fixed``, ``shift``, ``rotation``, ``half-vector`` or ``lobes``."""
     blend: str
     """How weights go from scan to scan: ``spline`` or ``linear``."""
     split: bool
@@ -58,6 +58,8 @@ class Fit:
         Why.
     symmetry_errors : dict
         Cross-validated error with each symmetry that was tried.
+    notes : list of str
+        What was assumed where nothing was measured, a sentence each.
     recipes : dict
         By component, all recipes that were tried; the first is in use.
     rank, log2_res, tolerance
@@ -69,6 +71,7 @@ class Fit:
         self.measurement = measurement
         self.symmetry, self.symmetry_reason, errors = core.symmetry()
         self.symmetry_errors = dict(errors)
+        self.notes = core.notes()
         self.recipes = {part: [Recipe(*row) for row in rows] for part, rows in core.scores()}
         self.rank, self.log2_res, self.tolerance = core.chosen()
 

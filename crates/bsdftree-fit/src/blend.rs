@@ -12,6 +12,7 @@ use crate::frame::{Frame, LEAST_COSINE, Motion};
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Weights};
 use crate::lambert::{self, Ray};
+use crate::lobes::{self, Followed, Tracks};
 use crate::raster::Raster;
 use crate::residual::Blended;
 
@@ -19,7 +20,7 @@ use crate::residual::Blended;
 const EPSILON: f64 = 3e-3;
 
 /// The base of a scan in units of its median.
-const BASE: f32 = 1.5;
+pub(crate) const BASE: f32 = 1.5;
 
 /// One way to interpolate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,10 +35,21 @@ pub struct Recipe {
     pub reciprocal: bool,
 }
 
+impl Recipe {
+    /// Recipes for which this is the same share logarithms.
+    pub(crate) fn logs(self) -> (bool, bool, bool) {
+        (self.frame == Frame::Half, self.split, self.frame == Frame::Lobes)
+    }
+}
+
 /// Logarithms of scans, as some recipes share them.
 #[derive(Debug)]
 pub(crate) struct Logs {
     incidents: Vec<Ray>,
+    groups: Vec<usize>,
+    line: bool,
+    tracks: Option<Tracks>,
+    totals: Vec<f64>,
     logs: Vec<Raster>,
     bases: Vec<Raster>,
     epsilon: f32,
@@ -51,7 +63,7 @@ pub(crate) struct Layers {
 }
 
 impl Logs {
-    fn new(scans: &[Gridded], channel: usize, recipe: Recipe) -> Logs {
+    fn new(scans: &[Gridded], channel: usize, line: bool, recipe: Recipe) -> Logs {
         let mean =
             scans.iter().map(|s| s.totals[channel] / std::f64::consts::PI).sum::<f64>() / scans.len() as f64;
         let epsilon = (EPSILON * mean).max(1e-12) as f32;
@@ -67,41 +79,103 @@ impl Logs {
             })
         };
         let logs = scans.par_iter().map(log).collect();
-        let base = |scan: &Gridded| {
-            let base = level(scan);
-            scan.rasters[channel].map(|_, v| v.clamp(0.0, base))
+        let tracks = if recipe.frame == Frame::Lobes {
+            let levels: Vec<f32> = scans.iter().map(level).collect();
+            Tracks::new(scans, channel, line, scans[0].part, &levels)
+        } else {
+            None
         };
-        let bases = if recipe.split { scans.par_iter().map(base).collect() } else { Vec::new() };
-        Logs { incidents: scans.iter().map(|s| s.incident).collect(), logs, bases, epsilon }
+        let base = |(k, scan): (usize, &Gridded)| {
+            let base = level(scan);
+            let labels = tracks.as_ref().map(|tracks| &tracks.labels[k]);
+            let mut pixel = 0..;
+            scan.rasters[channel].map(|_, v| {
+                let pixel = pixel.next().expect("endless");
+                let whole = labels.is_some_and(|labels| labels[pixel] == lobes::NONE);
+                if whole { v.max(0.0) } else { v.clamp(0.0, base) }
+            })
+        };
+        let bases = if recipe.split { scans.par_iter().enumerate().map(base).collect() } else { Vec::new() };
+        let incidents = scans.iter().map(|s| s.incident).collect();
+        let groups = scans.iter().map(|s| s.group).collect();
+        let totals = scans.iter().map(|s| s.totals[channel]).collect();
+        Logs { incidents, groups, line, tracks, totals, logs, bases, epsilon }
     }
 }
 
 impl Layers {
-    pub fn new(scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
-        Layers { recipe, logs: Arc::new(Logs::new(scans, channel, recipe)) }
+    pub fn new(scans: &[Gridded], channel: usize, line: bool, recipe: Recipe) -> Layers {
+        Layers { recipe, logs: Arc::new(Logs::new(scans, channel, line, recipe)) }
     }
 
     /// The same scans for another recipe; the logarithms are shared if they are the same.
     pub fn for_recipe(&self, scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
-        let needs = |recipe: Recipe| (recipe.frame == Frame::Half, recipe.split);
-        match needs(recipe) == needs(self.recipe) {
+        match recipe.logs() == self.recipe.logs() {
             true => Layers { recipe, logs: Arc::clone(&self.logs) },
-            false => Layers::new(scans, channel, recipe),
+            false => Layers::new(scans, channel, self.logs.line, recipe),
         }
     }
 
-    /// All exitant directions for one incident direction.
-    pub fn slice(&self, incident: Ray, weights: &Weights) -> Slice<'_> {
+    /// Whether the recipe can be followed: lobes can if some scan has more than one.
+    pub fn exists(&self) -> bool {
+        self.recipe.frame != Frame::Lobes || self.logs.tracks.is_some()
+    }
+
+    /// All exitant directions for one incident direction, as seen by scans outside the group `without`, whose weights these are.
+    pub fn slice(&self, incident: Ray, weights: &Weights, without: Option<usize>) -> Slice<'_> {
+        let logs = &*self.logs;
+        let half = self.recipe.frame == Frame::Half;
+        let bases = match self.recipe.split {
+            true => weights.iter().map(|&(k, weight)| (weight as f32, &logs.bases[k])).collect(),
+            false => Vec::new(),
+        };
+        let (moved, total) = match &logs.tracks {
+            Some(tracks) => {
+                let at = tracks.at(&logs.incidents, &logs.groups, logs.line, incident, weights, without);
+                let rest: f64 = weights.iter().map(|&(k, w)| w * (logs.totals[k] - tracks.power_in(k))).sum();
+                let total = rest.max(0.0) + at.iter().map(|(_, followed)| followed.power).sum::<f64>();
+                (at.into_iter().map(|(number, followed)| logs.followed(number, &followed)).collect(), total)
+            }
+            None => {
+                let total = weights.iter().map(|&(k, w)| w * logs.totals[k]).sum();
+                (vec![self.all(incident, weights)], total)
+            }
+        };
+        let total = total.clamp(0.0, 1.0);
+        let cosine = if half { Some(incident[2].max(LEAST_COSINE)) } else { None };
+        Slice { moved, bases, cosine, total }
+    }
+
+    /// Everything that moves, as one.
+    fn all(&self, incident: Ray, weights: &Weights) -> Moved<'_> {
         let term = |&(k, weight): &(usize, f64)| Term {
             scan: k,
             weight: weight as f32,
             motion: Motion::new(self.recipe.frame, incident, self.logs.incidents[k]),
             log: &self.logs.logs[k],
-            base: self.logs.bases.get(k),
+            mask: None,
         };
-        let half = self.recipe.frame == Frame::Half;
-        let cosine = if half { Some(incident[2].max(LEAST_COSINE)) } else { None };
-        Slice { terms: weights.iter().map(term).collect(), epsilon: self.logs.epsilon, cosine }
+        let terms = weights.iter().map(term).collect();
+        Moved { terms, offset: 0.0, epsilon: self.logs.epsilon, dark: 0.0 }
+    }
+}
+
+impl Logs {
+    /// One lobe, brought from the powers that it has in scans to that which it has here.
+    fn followed(&self, number: u8, followed: &Followed) -> Moved<'_> {
+        let tracks = self.tracks.as_ref().expect("there are lobes");
+        let track = &tracks.tracks[usize::from(number)];
+        let term = |&(k, weight, center): &(usize, f64, Ray)| Term {
+            scan: k,
+            weight: weight as f32,
+            motion: Motion::between(followed.center, center),
+            log: &self.logs[k],
+            mask: Some((&tracks.labels[k], number)),
+        };
+        let mean: f64 = followed.scans.iter().map(|&(k, w, _)| w * track.power_in(k).ln()).sum();
+        let offset = (followed.power.ln() - mean) as f32;
+        let terms = followed.scans.iter().map(term).collect();
+        Moved { terms, offset, epsilon: self.epsilon * offset.exp(), dark: self.epsilon.ln() }
     }
 }
 
@@ -110,60 +184,91 @@ struct Term<'a> {
     weight: f32,
     motion: Motion,
     log: &'a Raster,
-    base: Option<&'a Raster>,
+    /// Pixels' lobes, and which one counts.
+    mask: Option<(&'a [u8], u8)>,
+}
+
+impl Term<'_> {
+    #[inline(always)]
+    fn log_at(&self, o: Ray, dark: f32) -> f32 {
+        let point = lambert::point(self.motion.apply(o));
+        match self.mask {
+            Some((labels, number)) if labels[Raster::pixel(self.log.n(), point)] != number => dark,
+            _ => self.log.at(point),
+        }
+    }
+}
+
+/// What moves as one.
+struct Moved<'a> {
+    terms: Vec<Term<'a>>,
+    /// Added to the logarithm.
+    offset: f32,
+    epsilon: f32,
+    /// Logarithm outside the lobe.
+    dark: f32,
 }
 
 /// The interpolant for one incident direction.
 pub(crate) struct Slice<'a> {
-    terms: Vec<Term<'a>>,
-    epsilon: f32,
+    moved: Vec<Moved<'a>>,
+    bases: Vec<(f32, &'a Raster)>,
     cosine: Option<f32>,
+    /// The directional-hemispherical total that scans foresee, in [0, 1].
+    pub total: f64,
 }
 
 impl Slice<'_> {
     /// The value in one direction.
     #[inline]
     pub fn value(&self, o: Ray) -> f32 {
-        let (mut log, mut base) = (0.0, 0.0);
-        for term in &self.terms {
-            log += term.weight * term.log.at(lambert::point(term.motion.apply(o)));
-            if let Some(raster) = term.base {
-                base += term.weight * raster.at(lambert::point(o));
-            }
+        let mut rest = 0.0;
+        for moved in &self.moved {
+            let log: f32 = moved.terms.iter().map(|term| term.weight * term.log_at(o, moved.dark)).sum();
+            rest += ((log + moved.offset).exp() - moved.epsilon).max(0.0);
         }
-        self.finished(log, base, o)
+        self.finished(rest, o)
     }
 
-    /// The value, and how much scans differ there.
+    /// The value, and how much scans differ there: of lobes, in the brightest.
     pub fn blended(&self, o: Ray) -> Blended {
-        let (mut log, mut base) = (0.0, 0.0);
-        let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
-        for term in &self.terms {
-            let here = term.log.at(lambert::point(term.motion.apply(o)));
-            log += term.weight * here;
-            let w = term.weight.abs();
-            sum += w;
-            first += w * here;
-            second += w * here * here;
-            if let Some(raster) = term.base {
-                base += term.weight * raster.at(lambert::point(o));
+        let (mut rest, mut brightest, mut spread) = (0.0, -1.0, 0.0);
+        for moved in &self.moved {
+            let (mut log, mut sum, mut first, mut second) = (moved.offset, 0.0, 0.0, 0.0);
+            for term in &moved.terms {
+                let here = term.log_at(o, moved.dark);
+                log += term.weight * here;
+                let w = term.weight.abs();
+                sum += w;
+                first += w * here;
+                second += w * here * here;
             }
+            let value = (log.exp() - moved.epsilon).max(0.0);
+            if value > brightest {
+                brightest = value;
+                spread = (second / sum - (first / sum).powi(2)).max(0.0).sqrt();
+            }
+            rest += value;
         }
-        let spread = (second / sum - (first / sum).powi(2)).max(0.0).sqrt();
-        Blended { value: self.finished(log, base, o), spread }
+        Blended { value: self.finished(rest, o), spread }
     }
 
-    /// What scans say at the place that each is looked up at, added up with a function of the weight.
+    /// What scans say at the place that each is looked up at, added up with a function of the weight; of lobes, in the first.
     pub fn sum(&self, o: Ray, f: impl Fn(f32, usize, [f32; 2]) -> f32) -> f32 {
-        self.terms.iter().map(|t| f(t.weight, t.scan, lambert::point(t.motion.apply(o)))).sum()
+        let terms = self.moved.first().map_or(&[][..], |moved| &moved.terms);
+        terms.iter().map(|t| f(t.weight, t.scan, lambert::point(t.motion.apply(o)))).sum()
     }
 
     #[inline(always)]
-    fn finished(&self, log: f32, base: f32, o: Ray) -> f32 {
-        let mut rest = (log.exp() - self.epsilon).max(0.0);
-        if let Some(cosine) = self.cosine {
-            rest /= cosine * o[2].max(LEAST_COSINE);
-        }
+    fn finished(&self, rest: f32, o: Ray) -> f32 {
+        let base: f32 = match self.bases.is_empty() {
+            true => 0.0,
+            false => {
+                let point = lambert::point(o);
+                self.bases.iter().map(|(weight, raster)| weight * raster.at(point)).sum()
+            }
+        };
+        let rest = self.cosine.map_or(rest, |cosine| rest / (cosine * o[2].max(LEAST_COSINE)));
         base.max(0.0) + rest
     }
 }

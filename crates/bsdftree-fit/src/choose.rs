@@ -67,7 +67,7 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
     let scan = &scans[k];
     let incidence = incidence(scans, line, layers.recipe.blend, Some(scan.group));
     let (weights, _) = incidence.weights(scan.incident);
-    let slice = layers.slice(scan.incident, &weights);
+    let slice = layers.slice(scan.incident, &weights, Some(scan.group));
     let channel = scan.main();
     let values = &scan.values[channel];
     let step = scan.exitant.len().div_ceil(N_COMPARED).max(1);
@@ -80,7 +80,7 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
         })
         .collect();
     // Totals are known from the neighbours, so a prediction is brought to the total that they foresee.
-    let total: f64 = weights.iter().map(|&(l, w)| w * scans[l].totals[channel]).sum();
+    let total = slice.total;
     let mine: f64 = found.iter().map(|r| f64::from(r.predicted.value * r.weight)).sum();
     let theirs: f64 = found.iter().map(|r| f64::from(r.measured * r.weight)).sum();
     let scale = (total / scan.totals[channel] * theirs / mine.max(1e-12)).clamp(0.5, 2.0) as f32;
@@ -94,7 +94,12 @@ pub(crate) fn recipes() -> Vec<Recipe> {
     for frame in Frame::ALL {
         for blend in [Blend::Spline, Blend::Linear] {
             for split in [false, true] {
-                if frame != Frame::Fixed || !split {
+                let splits = match frame {
+                    Frame::Fixed => !split,
+                    Frame::Lobes => split,
+                    _ => true,
+                };
+                if splits {
                     all.push(Recipe { frame, blend, split, reciprocal: false });
                 }
             }
@@ -109,20 +114,22 @@ pub(crate) fn scores(scans: &[Gridded], line: bool, tried: &[Recipe]) -> Vec<Sco
     let channel = scans[0].main();
     // Recipes that share logarithms come one after the other.
     let mut ordered = tried.to_vec();
-    ordered.sort_by_key(|recipe| (recipe.frame == Frame::Half, recipe.split));
-    let mut layers = Layers::new(scans, channel, ordered[0]);
+    ordered.sort_by_key(|recipe| recipe.logs());
+    let mut layers = Layers::new(scans, channel, line, ordered[0]);
     let mut score = |recipe: Recipe| {
         layers = layers.for_recipe(scans, channel, recipe);
+        if !layers.exists() {
+            return None;
+        }
         let errors: Vec<f64> =
             left_out.par_iter().map(|&k| relative_l1(&residuals(scans, &layers, line, k))).collect();
         let n = errors.len() as f64;
-        Score {
-            recipe,
-            l1: errors.iter().sum::<f64>() / n,
-            worst: errors.iter().copied().fold(f64::NAN, f64::max),
+        {
+            let worst = errors.iter().copied().fold(f64::NAN, f64::max);
+            Some(Score { recipe, l1: errors.iter().sum::<f64>() / n, worst })
         }
     };
-    let mut scores: Vec<Score> = ordered.into_iter().map(&mut score).collect();
+    let mut scores: Vec<Score> = ordered.into_iter().filter_map(&mut score).collect();
     scores.sort_by(|a, b| a.l1.total_cmp(&b.l1));
     scores
 }

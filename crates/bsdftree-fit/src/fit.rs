@@ -12,6 +12,7 @@ use thiserror::Error;
 use crate::blend::Recipe;
 use crate::choose::{self, Score};
 use crate::frame::Frame;
+use crate::in_plane;
 use crate::measurement::{Measurement, Symmetry};
 use crate::model::Model;
 use crate::prepare::{self, Points};
@@ -46,9 +47,23 @@ pub enum FitError {
         /// Which part.
         part: &'static str,
     },
+    /// One plane of a sample that has no symmetry to turn it by.
+    #[error(
+        "{source_name}: all points lie in the plane of incidence, which says too little of a sample that is {symmetry}; if it is \
+         isotropic, say so"
+    )]
+    InPlane {
+        /// Of the scan.
+        source_name: String,
+        /// Of the sample.
+        symmetry: &'static str,
+    },
     /// Only zeros.
     #[error("{0} is black: no value above 0")]
     Black(&'static str),
+    /// Lobes were to be followed, but there is only one.
+    #[error("{0}: no scan has more than one lobe to follow; use another frame")]
+    NoLobes(&'static str),
     /// A resolution out of range.
     #[error("log2_res is {found}; expected 1 to {most} at rank {rank}")]
     Resolution {
@@ -107,6 +122,8 @@ pub struct Fit {
     pub models: Vec<Model>,
     /// Which symmetry is used, and why.
     pub symmetry: SymmetryFound,
+    /// What was assumed where nothing was measured, a sentence each.
+    pub notes: Vec<String>,
     n_channels: usize,
 }
 
@@ -128,12 +145,15 @@ impl Fit {
             (None, Some(symmetry)) => given(symmetry, "as the file states"),
             (None, None) => symmetry::found(&points),
         };
+        let notes = notes(measurement, &points, symmetry.symmetry)?;
         let mut tried: Vec<Recipe> = choose::recipes();
         tried.retain(|recipe| options.frame.is_none_or(|frame| recipe.frame == frame));
         let models = parts.into_iter().zip(points).map(|(part, points)| {
-            Model::new(points, part, symmetry.symmetry, &tried, measurement.n_channels)
+            let model = Model::new(points, part, symmetry.symmetry, &tried, measurement.n_channels);
+            model.ok_or(FitError::NoLobes(part.key()))
         });
-        Ok(Fit { models: models.collect(), symmetry, n_channels: measurement.n_channels })
+        let models = models.collect::<Result<_, _>>()?;
+        Ok(Fit { models, symmetry, notes, n_channels: measurement.n_channels })
     }
 
     /// Numbers for each pair of directions: 1, or 3 for X, Y, Z.
@@ -231,6 +251,31 @@ impl Fit {
     pub fn scores(&self) -> impl Iterator<Item = (Part, &[Score])> {
         self.models.iter().map(|model| (model.part, model.scores.as_slice()))
     }
+}
+
+/// What has to be assumed.
+fn notes(
+    measurement: &Measurement,
+    parts: &[Vec<Points>],
+    symmetry: Symmetry,
+) -> Result<Vec<String>, FitError> {
+    let scans = || parts.iter().flatten();
+    let flat: Vec<&Points> =
+        scans().filter(|scan| in_plane::is_in_plane(&prepare::turned((*scan).clone()))).collect();
+    let mut notes = Vec::new();
+    if let Some(first) = flat.first() {
+        if symmetry != Symmetry::Isotropic {
+            let source_name = measurement.scans[first.group].source.clone();
+            return Err(FitError::InPlane { source_name, symmetry: symmetry.name() });
+        }
+        notes.push(format!(
+            "{} of {} scans were measured in the plane of incidence alone: elsewhere the BSDF is assumed to depend on the angle from \
+             the mirror direction, and to go evenly from what lies beyond it to what lies before it",
+            flat.len(),
+            scans().count()
+        ));
+    }
+    Ok(notes)
 }
 
 /// The scans of a part, if they can be fitted.

@@ -18,11 +18,13 @@ pub enum Frame {
     Rotation,
     /// As mirrors of a rough surface: the half vector stays, and f·cos θ_i·cos θ_o is blended instead of f.
     Half,
+    /// Each lobe with its own centre ([`crate::lobes`]), as those of prisms do.
+    Lobes,
 }
 
 impl Frame {
     /// All of them.
-    pub const ALL: [Frame; 4] = [Frame::Fixed, Frame::Shift, Frame::Rotation, Frame::Half];
+    pub const ALL: [Frame; 5] = [Frame::Fixed, Frame::Shift, Frame::Rotation, Frame::Half, Frame::Lobes];
 
     /// As tables print it.
     pub fn name(self) -> &'static str {
@@ -31,6 +33,7 @@ impl Frame {
             Frame::Shift => "shift",
             Frame::Rotation => "rotation",
             Frame::Half => "half-vector",
+            Frame::Lobes => "lobes",
         }
     }
 }
@@ -55,7 +58,13 @@ impl Motion {
             Frame::Shift => Motion::Shift([incident[0] - other[0], incident[1] - other[1]]),
             Frame::Rotation => Motion::Turn(turn(mirrored(incident), mirrored(other))),
             Frame::Half => Motion::Reflect { incident, other },
+            Frame::Lobes => Motion::Stay,
         }
+    }
+
+    /// With the turn that takes one direction to another.
+    pub fn between(center: Ray, other: Ray) -> Motion {
+        Motion::Turn(turn(center, other))
     }
 
     /// Where what goes to `o` goes there; perhaps below the horizon.

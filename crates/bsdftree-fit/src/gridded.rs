@@ -4,6 +4,7 @@
 //! that Σ weight·value is the integral of the linear interpolant times the cosine. Between the outermost points and the horizon values go on
 //! as they are at the nearest points.
 
+use bsdftree::Part;
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
 
 use crate::lambert::{self, Ray};
@@ -20,6 +21,8 @@ const GHOST_RADIUS: f32 = 1.7;
 pub(crate) struct Gridded {
     /// Where light came from, upper hemisphere.
     pub incident: Ray,
+    /// What the scan is of.
+    pub part: Part,
     /// Which measured scan it is of: copies by symmetry share it.
     pub group: usize,
     /// Measured directions, upper hemisphere.
@@ -61,7 +64,7 @@ type Corner = (Point2<f64>, usize, bool);
 impl Gridded {
     /// Lays values over `n` × `n` pixels. Points are distinct (see [`distinct`]) and there is at least one.
     pub fn new(points: Points, n: usize) -> Gridded {
-        let Points { incident, group, exitant, values, noisy } = points;
+        let Points { part, incident, group, exitant, values, noisy } = points;
         let triangles = triangles(&exitant);
         let n_channels = values.len();
         let mut rasters = vec![vec![0f32; n * n]; n_channels];
@@ -92,7 +95,7 @@ impl Gridded {
         let mut rasters: Vec<Raster> = rasters.into_iter().map(|values| Raster::new(n, values)).collect();
         let noise = if noisy { rasters.pop() } else { None };
         let covered = Raster::new(n, covered);
-        Gridded { incident, group, exitant, values, weights, rasters, totals, covered, noise }
+        Gridded { part, incident, group, exitant, values, weights, rasters, totals, covered, noise }
     }
 
     /// The channel that choices are made by: Y of X, Y, Z.
@@ -106,8 +109,8 @@ impl Gridded {
         let (kept, left): (Vec<usize>, Vec<usize>) = (0..self.exitant.len()).partition(|k| k % 5 != 2);
         let values = kept.iter().map(|&k| self.values[channel][k]).collect();
         let exitant = kept.iter().map(|&k| self.exitant[k]).collect();
-        let (incident, group) = (self.incident, self.group);
-        let points = Points { incident, group, exitant, values: vec![values], noisy: false };
+        let (part, incident, group) = (self.part, self.incident, self.group);
+        let points = Points { part, incident, group, exitant, values: vec![values], noisy: false };
         let fewer = Gridded::new(points, self.rasters[0].n());
         let inside = left.into_iter().filter(|&k| fewer.covered.at(lambert::point(self.exitant[k])) > 0.99);
         inside

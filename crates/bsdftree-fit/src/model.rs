@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::blend::{Layers, Recipe, Slice};
 use crate::choose::{self, Score};
 use crate::gridded::Gridded;
-use crate::incidence::{Incidence, Weights};
+use crate::incidence::Incidence;
 use crate::lambert::{self, Ray};
 use crate::measurement::Symmetry;
 use crate::prepare::{self, Points};
@@ -39,26 +39,26 @@ pub struct Model {
 }
 
 impl Model {
-    /// Fits one part with the recipe of the least cross-validated error among those tried.
+    /// Fits one part with the recipe of the least cross-validated error among those tried; `None` if none can be followed.
     pub(crate) fn new(
         points: Vec<Points>,
         part: Part,
         symmetry: Symmetry,
         tried: &[Recipe],
         n_channels: usize,
-    ) -> Model {
+    ) -> Option<Model> {
         let scans = prepare::gridded(prepare::symmetric(points, symmetry));
         let line = symmetry == Symmetry::Isotropic;
         let scores = choose::scores(&scans, line, tried);
-        let recipe = scores[0].recipe;
+        let recipe = scores.first()?.recipe;
         let incidence = choose::incidence(&scans, line, recipe.blend, None);
-        let layers = (0..n_channels).map(|c| Layers::new(&scans, c, recipe)).collect();
+        let layers = (0..n_channels).map(|c| Layers::new(&scans, c, line, recipe)).collect();
         let layers: Vec<Layers> = layers;
         let uncertainty = Uncertainty::new(&scans, &layers[scans[0].main()], line);
         let mut model =
             Model { part, symmetry, scores, scans, incidence, layers, scales: Vec::new(), uncertainty };
         model.scales = (0..n_channels).map(|c| model.table_of_scales(c)).collect();
-        model
+        Some(model)
     }
 
     /// The recipe in use.
@@ -81,17 +81,11 @@ impl Model {
         if self.is_line() && r > 1e-7 { [-x / r, -y / r] } else { [1.0, 0.0] }
     }
 
-    /// The total of a channel that neighbours foresee.
-    fn total(&self, channel: usize, weights: &Weights) -> f64 {
-        let sum: f64 = weights.iter().map(|&(k, w)| w * self.scans[k].totals[channel]).sum();
-        sum.clamp(0.0, 1.0)
-    }
-
     /// All exitant directions for one incident direction (upper hemisphere, and of an isotropic sample in the plane of its scans), not
-    /// scaled, and the total that they should have.
-    pub(crate) fn slice(&self, channel: usize, incident: Ray) -> (Slice<'_>, f64) {
+    /// scaled.
+    pub(crate) fn slice(&self, channel: usize, incident: Ray) -> Slice<'_> {
         let (weights, _) = self.incidence.weights(incident);
-        (self.layers[channel].slice(incident, &weights), self.total(channel, &weights))
+        self.layers[channel].slice(incident, &weights, None)
     }
 
     fn table_of_scales(&self, channel: usize) -> Vec<f32> {
@@ -112,10 +106,10 @@ impl Model {
                 // Corners of the table have the value of the rim.
                 let point = if r > 1.0 { point.map(|x| x / r) } else { point };
                 let incident = lambert::direction(point);
-                let (slice, total) = self.slice(channel, incident);
+                let slice = self.slice(channel, incident);
                 let sum: f32 = directions.iter().map(|&(d, cosine)| slice.value(d) * cosine).sum();
                 let sum = f64::from(sum * pixel);
-                if sum > 0.0 { (total / sum) as f32 } else { 1.0 }
+                if sum > 0.0 { (slice.total / sum) as f32 } else { 1.0 }
             })
             .collect()
     }
@@ -141,7 +135,7 @@ impl Model {
     /// BSDF \[1/sr\] for pairs of directions, one channel. Pairs on other sides than the part's are 0.
     pub fn eval(&self, channel: usize, incident: &[Direction], exitant: &[Direction]) -> Vec<f64> {
         self.each(incident, exitant, |i| {
-            let (slice, scale) = (self.slice(channel, i).0, self.scale(channel, i));
+            let (slice, scale) = (self.slice(channel, i), self.scale(channel, i));
             move |o| f64::from(slice.value(o) * scale)
         })
     }
@@ -155,7 +149,8 @@ impl Model {
     pub(crate) fn error_slice(&self, incident: Ray) -> impl Fn(Ray) -> f64 + '_ {
         let channel = self.scans[0].main();
         let (weights, outside) = self.incidence.weights(incident);
-        let (slice, scale) = (self.layers[channel].slice(incident, &weights), self.scale(channel, incident));
+        let (slice, scale) =
+            (self.layers[channel].slice(incident, &weights, None), self.scale(channel, incident));
         move |o| {
             let mut blended = slice.blended(o);
             blended.value *= scale;

@@ -5,6 +5,7 @@ use bsdftree::direction::Side;
 use rayon::prelude::*;
 
 use crate::gridded::{Gridded, distinct};
+use crate::in_plane;
 use crate::lambert::{self, Ray};
 use crate::measurement::{Measurement, Symmetry};
 
@@ -19,6 +20,7 @@ const MANY: usize = 16;
 /// The points of one scan on one side, incident and exitant on the upper hemisphere.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
+    pub part: Part,
     pub incident: Ray,
     pub group: usize,
     pub exitant: Vec<Ray>,
@@ -48,7 +50,7 @@ pub(crate) fn points_of(measurement: &Measurement, part: Part) -> Vec<Points> {
             let error = |&k: &usize| scan.errors.get(k * n + n / 2).map_or(0.0, |&e| e as f32);
             values.push(here.iter().map(error).collect());
         }
-        all.push(Points { incident: lambert::upper(scan.incident), group, exitant, values, noisy });
+        all.push(Points { part, incident: lambert::upper(scan.incident), group, exitant, values, noisy });
     }
     all
 }
@@ -63,12 +65,17 @@ pub(crate) fn symmetric(scans: Vec<Points>, symmetry: Symmetry) -> Vec<Points> {
         Symmetry::BilateralX => copied(scans, mirror_y),
         Symmetry::BilateralY => copied(scans, mirror_x),
         Symmetry::Quadrilateral => copied(copied(scans, mirror_y), mirror_x),
-        Symmetry::Isotropic => copied(scans.into_iter().map(turned).collect(), mirror_y),
+        Symmetry::Isotropic => {
+            let scans = merged(scans.into_iter().map(turned).collect());
+            let whole =
+                |scan: Points| if in_plane::is_in_plane(&scan) { in_plane::spread(scan) } else { scan };
+            copied(scans.into_iter().map(whole).collect(), mirror_y)
+        }
     };
     merged(all)
 }
 
-fn turned(scan: Points) -> Points {
+pub(crate) fn turned(scan: Points) -> Points {
     let [x, y, z] = scan.incident;
     let r = x.hypot(y);
     if r < 1e-6 {

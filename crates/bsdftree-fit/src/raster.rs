@@ -43,6 +43,13 @@ impl Raster {
         Raster { n: self.n, values }
     }
 
+    /// Number of the pixel that a point lies in, or of the nearest.
+    #[inline(always)]
+    pub fn pixel(n: usize, [x, y]: [f32; 2]) -> usize {
+        let at = |c: f32| (((c + EXTENT) * (n as f32 / (2.0 * EXTENT))).max(0.0) as usize).min(n - 1);
+        at(y) * n + at(x)
+    }
+
     /// Bilinear between pixels, the outermost ones beyond.
     #[inline(always)]
     pub fn at(&self, [x, y]: [f32; 2]) -> f32 {

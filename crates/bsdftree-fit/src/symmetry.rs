@@ -21,6 +21,9 @@ const TOLERATED: (f64, f64) = (1.05, 0.002);
 /// A scan is its own image if they differ by no more than this many times what neighbouring points do, or this much.
 const SAME_IMAGE: (f64, f64) = (2.0, 0.02);
 
+/// With a smaller error lobes are not followed one by one to find the symmetry.
+const WELL: f64 = 0.2;
+
 /// Fewest scans that cross-validation needs.
 const N_NEEDED: usize = 4;
 
@@ -75,13 +78,19 @@ fn error_of(scans: &[Gridded], line: bool, groups: &[usize]) -> f64 {
     let judged: Vec<usize> =
         choose::one_of_each_group(scans).filter(|&k| groups.contains(&scans[k].group)).collect();
     let recipe = |frame| Recipe { frame, blend: Blend::Spline, split: false, reciprocal: false };
-    let mut layers = Layers::new(scans, scans[0].main(), recipe(Frame::Fixed));
-    let error = |frame: Frame| {
-        layers = layers.for_recipe(scans, scans[0].main(), recipe(frame));
+    let mut layers = Layers::new(scans, scans[0].main(), line, recipe(Frame::Fixed));
+    let mut error = |frame: Frame| {
+        let split = frame == Frame::Lobes;
+        layers = layers.for_recipe(scans, scans[0].main(), Recipe { split, ..recipe(frame) });
+        if !layers.exists() {
+            return f64::MAX;
+        }
         let each = judged.iter().map(|&k| relative_l1(&choose::residuals(scans, &layers, line, k)));
         each.sum::<f64>() / judged.len() as f64
     };
-    Frame::ALL.into_iter().map(error).fold(f64::MAX, f64::min)
+    let moved = [Frame::Fixed, Frame::Shift, Frame::Rotation, Frame::Half];
+    let least = moved.into_iter().map(&mut error).fold(f64::MAX, f64::min);
+    if least < WELL { least } else { least.min(error(Frame::Lobes)) }
 }
 
 /// Whether incident directions reach over more than a half-plane: else nothing is known of the other half.

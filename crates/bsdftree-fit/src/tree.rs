@@ -49,16 +49,13 @@ impl Model {
         let mut points = cells.incident(cell);
         points.iter_mut().zip(turns).for_each(|(i, turn)| *i = turned(*i, turn));
         let slices: [OnceCell<Slice<'_>>; cells::N_POINTS] = Default::default();
-        let slice = |k: usize| slices[k].get_or_init(|| self.slice(channel, points[k]).0);
+        let slice = |k: usize| slices[k].get_or_init(|| self.slice(channel, points[k]));
         let mean = |total: &dyn Fn(usize) -> f64| {
             cells::FOUR.map(total).iter().sum::<f64>() / cells::FOUR.len() as f64
         };
-        let own = mean(&|k| {
-            let (slice, total) = self.slice(channel, points[k]);
-            slices[k].get_or_init(|| slice);
-            total
-        });
-        let all = own + others.iter().map(|other| mean(&|k| other.slice(channel, points[k]).1)).sum::<f64>();
+        let own = mean(&|k| slice(k).total);
+        let all =
+            own + others.iter().map(|other| mean(&|k| other.slice(channel, points[k]).total)).sum::<f64>();
         let total = own / all.max(1.0);
         let level = 0.2 * (total / std::f64::consts::PI) as f32;
         let value = |c: usize| move |i: usize, o: usize| slice(i).value(turned(exitant[c][o], turns[i]));

@@ -103,6 +103,10 @@ impl Fit {
         )
     }
 
+    fn notes(&self) -> Vec<String> {
+        self.0.notes.clone()
+    }
+
     /// By part, best first.
     fn scores(&self) -> Vec<(&'static str, Vec<ScoreOut>)> {
         self.0.scores().map(|(part, scores)| (part.key(), scores.iter().map(score_out).collect())).collect()

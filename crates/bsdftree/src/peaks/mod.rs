@@ -28,7 +28,7 @@ use crate::tree::Rank;
 use detect::{Spot, cone_deg, spots};
 use family::{Member, families};
 use field::Incident;
-use fit::{Pair, rms};
+use fit::{Pair, best_map, rms};
 
 /// What counts as a peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +43,15 @@ impl Default for PeakOptions {
     fn default() -> PeakOptions {
         PeakOptions { contrast: 10.0, min_strength: 0.002 }
     }
+}
+
+/// The map that four fifths of the given peaks, or more, follow: incident and exitant directions that are known to about `edge`, a distance
+/// in the disk (twice that in radians near the horizon is still little). `None` if there are fewer than four, or none fits.
+pub fn map_of(peaks: &[(Direction, Direction)], edge: f64) -> Option<Map> {
+    let pair = |&(incident, exitant): &(Direction, Direction)| Pair { incident, exitant, edge, weight: 1.0 };
+    let pairs: Vec<Pair> = peaks.iter().map(pair).collect();
+    let least = (4 * pairs.len()).div_ceil(5).max(4);
+    best_map(&pairs, &[Map::Straight, Map::Mirror, Map::Retro], true, least)
 }
 
 /// A peak of the light from one direction.
