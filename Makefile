@@ -7,7 +7,7 @@ VERSION = $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 # Everything that makes the extension module out of date.
 SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate devices-report stack-report install-c docs clean
+.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate bench-fit devices-report stack-report install-c docs clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -53,6 +53,10 @@ bench-library: setup ## Look-ups, samples, files: Rust, NumPy and Radiance besid
 
 bench-generate: setup ## Errors of generated trees beside Radiance's, at equal cost; 40 minutes
 	$(BIN)/python -m benches.generate
+
+bench-fit: setup ## Fits of known BSDFs beside pabopto2bsdf, on directions left out; an hour, minutes with a cache
+	$(BIN)/python -m benches.fit
+	$(BIN)/python -m benches.fit.real
 
 install-c: ## Install bsdftree.h and the C library under PREFIX (/usr/local)
 	cargo build --release --quiet -p bsdftree-c
