@@ -290,7 +290,8 @@ def test_real_files_become_lawful_trees(data, run, tmp_path, name):
     assert "in use" in result.stdout and "extrapolated" in result.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
     bsdf = bsdftree.load(out)
-    assert bsdf.provenance[1].startswith("Extrapolated: reflection_back of 11.7 % of incident directions")
+    said = "Extrapolated: 11.7 % of incident directions; measured to 70.0 degrees (reflection_back)"
+    assert bsdf.provenance[1] == said
     assert "isotropic" in bsdf.provenance[0] and "AnoBlack" in bsdf.name
     checked = run("check", out)
     assert checked.exit_code == 0, checked.output
@@ -358,6 +359,6 @@ def test_picture_shows_scans_and_a_direction_between(glossy):
     texts = [t.get_text() for axes in picture.axes for t in axes.texts] + [t.get_text() for t in picture.texts]
     assert sum(t.startswith("scan at") for t in texts) == 3
     assert sum(t.startswith("between scans") for t in texts) == 1
-    assert "gloss" in texts
+    assert "gloss   (isotropic)" in texts
     with pytest.raises(ValueError, match="no component 'transmission_back'; measured are reflection_back"):
         plot.fit(glossy, "transmission_back")

@@ -135,7 +135,7 @@ class Fit:
         trees, errors = self._core.bsdf(rank=rank, log2_res=log2_res, tolerance=tolerance, progress=progress)
         recipes = ", ".join(f"{part} {rows[0].frame}" for part, rows in self.recipes.items())
         made = f"Fitted by: bsdftree {_core.__version__} fit ({self.symmetry}; {recipes})"
-        told = [made, *(extrapolation(self, part) for part in self.recipes)]
+        told = [made, *extrapolation(self)]
         name, manufacturer = self.measurement.name, self.measurement.manufacturer
         whole, uncertain = (
             Bsdf(core).with_header(name=name, manufacturer=manufacturer, provenance=[*told, *notes])

@@ -142,15 +142,14 @@ def summarize_fit(fit: Fit, trees: FittedTrees | None = None) -> FitSummary:
     )
 
 
-def extrapolation(fit: Fit, component: str) -> str:
-    """A sentence for files that are made of a fit: what of a component was not measured."""
-    scans = scans_of(fit.measurement, component)
-    share = _outside([scan.incident for scan in scans], fit.symmetry)
-    theta_deg = polar_of(scans[-1].incident)[0]
-    return (
-        f"Extrapolated: {component} of {100 * share:.1f} % of incident directions; polar angles up to "
-        f"{theta_deg:.1f} degrees were measured"
-    )
+def extrapolation(fit: Fit) -> list[str]:
+    """Sentences for files that are made of a fit: what was not measured."""
+    parts: dict[str, list[str]] = {}
+    for component in fit.recipes:
+        incident = [scan.incident for scan in scans_of(fit.measurement, component)]
+        share = f"{100 * _outside(incident, fit.symmetry):.1f} % of incident directions"
+        parts.setdefault(f"{share}; measured to {polar_of(incident[-1])[0]:.1f} degrees", []).append(component)
+    return [f"Extrapolated: {what} ({', '.join(components)})" for what, components in parts.items()]
 
 
 def scans_of(measurement: Measurement, component: str) -> list[Scan]:

@@ -19,9 +19,8 @@ from bsdftree.plot._parts import SIDES
 from bsdftree.plot._style import FAINT, INK, ZERO, Picture, Scale, bare, figure, round_limits
 
 # All in pixels.
-_WIDTH, _TOP, _ROW, _DISK, _LEFT = 1640, 138, 330, 290, 24
+_WIDTH, _TOP, _PART, _ROW, _DISK, _LEFT = 1640, 108, 52, 330, 290, 24
 _PROFILE_X, _PROFILE_WIDTH = 1066, 540
-_N_SCANS = 3
 # Pixels of an edge of the images.
 _N = 240
 # Relative standard errors from none to this are drawn.
@@ -47,7 +46,7 @@ def fit(
     colors: str = "viridis",
     title: str | None = None,
 ) -> Figure:
-    """Draw a fit beside what was measured, for three scans and for a direction between two.
+    """Draw a fit beside what was measured, for some scans and for a direction between two.
 
     In a row: measured points and fitted values, on one colour scale; the relative standard error; and a profile in the
     plane of incidence with points and a band of two standard errors on either side. Disks are orthographic (a
@@ -75,39 +74,44 @@ def fit(
     if part is not None and part not in fitted.recipes:
         raise ValueError(f"no component {part!r}; measured are {', '.join(fitted.recipes)}")
     parts = list(fitted.recipes) if part is None else [part]
-    rows = [(p, row) for p in parts for row in _rows(fitted, p)]
+    rows = [(p, row) for p in parts for row in _rows(fitted, p, 3 if len(parts) < 3 else 2)]
     images = [_image(fitted, p, row.incident) for p, row in rows]
     points = [row.scan.values for _, row in rows if row.scan is not None]
     scale = Scale.of([*(values for values, _ in images), *points], limits, colors)
-    height = _TOP + len(rows) * _ROW + 50
+    height = _TOP + len(rows) * _ROW + len(parts) * _PART + 40
     picture = figure(_WIDTH, height)
     heading = (fitted.measurement.name or "fit") if title is None else title
-    picture.text(_LEFT / _WIDTH, 1 - 30 / height, heading, fontsize=15, va="center", color=INK)
-    used = [
-        f"{p.replace('_', ' ')} ({SIDES[p]}): {fitted.recipes[p][0].frame} frame, {_score(fitted, p)}" for p in parts
-    ]
-    facts = "   ·   ".join([fitted.symmetry, *used])
-    picture.text(_LEFT / _WIDTH, 1 - 60 / height, facts, fontsize=10.5, va="center", color=INK)
+    _say(picture, 30, f"{heading}   ({fitted.symmetry})", 15)
     names = ("measured", "fitted", "relative standard error", "in the plane of incidence [1/sr], with ± 2 errors")
     for k, name in enumerate(names):
-        x = _LEFT + k * (_DISK + 12) if k < 3 else _PROFILE_X
-        picture.text(x / _WIDTH, 1 - 94 / height, name, fontsize=12, va="center", color=INK)
+        _say(picture, 70, name, 12, _LEFT + k * (_DISK + 12) if k < 3 else _PROFILE_X)
+    top = float(_TOP)
     for k, ((p, row), image) in enumerate(zip(rows, images, strict=True)):
-        top = _TOP + k * _ROW
+        if k == 0 or p != rows[k - 1][0]:
+            _say(picture, top + 4, f"{p.replace('_', ' ')} ({SIDES[p]}): {_recipe(fitted, p)}", 11)
+            top += _PART
         _draw_row(picture, fitted, p, row, image, scale, 1 - (top + _DISK) / height, height)
+        top += _ROW
     _legend(picture, scale, height)
     return picture
 
 
-def _score(fitted: Fit, part: str) -> str:
-    error = fitted.recipes[part][0].l1
-    return "no scan could be left out" if np.isnan(error) else f"left-out scans {100 * error:.1f} % off"
+def _say(picture: Picture, y: float, text: str, size: float, x: float = _LEFT) -> None:
+    """Text at a place in pixels from the top left."""
+    height = picture.bbox.height
+    picture.text(x / _WIDTH, 1 - y / height, text, fontsize=size, va="center", color=INK)
 
 
-def _rows(fitted: Fit, part: str) -> list[_Row]:
+def _recipe(fitted: Fit, part: str) -> str:
+    used = fitted.recipes[part][0]
+    score = "no scan could be left out" if np.isnan(used.l1) else f"left-out scans {100 * used.l1:.1f} % off"
+    return f"{used.frame} frame, {used.blend} weights, {score}"
+
+
+def _rows(fitted: Fit, part: str, n_scans: int) -> list[_Row]:
     """Some scans from low to high, and a direction between the middle one and its nearest neighbour."""
     scans = scans_of(fitted.measurement, part)
-    chosen = sorted({round(k) for k in np.linspace(0, len(scans) - 1, min(_N_SCANS, len(scans)))})
+    chosen = sorted({round(k) for k in np.linspace(0, len(scans) - 1, min(n_scans, len(scans)))})
     rows = [_Row(scans[k].incident, scans[k], f"scan at {_angles(scans[k].incident)}") for k in chosen]
     middle = scans[chosen[len(chosen) // 2]]
     cosine = np.array([float(scan.incident @ middle.incident) for scan in scans])
@@ -230,7 +234,7 @@ def _near_plane(scan: Scan, phi_deg: float) -> tuple[Array, Array]:
 def _legend(picture: Picture, scale: Scale, height: float) -> None:
     """Both colour scales to the left of the profiles, and how to read the rest."""
     x, width = (_LEFT + 3 * (_DISK + 12) + 6) / _WIDTH, 14 / _WIDTH
-    top, half = height - _TOP, 0.7 * _ROW
+    top, half = height - _TOP - _PART, 0.7 * _ROW
     scale.bar(picture, (x, (top - half + 14) / height, width, (half - 30) / height))
     axes = picture.add_axes((x, (top - 2 * half + 8) / height, width, (half - 40) / height))
     axes.imshow(
