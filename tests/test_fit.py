@@ -304,6 +304,18 @@ def test_real_files_become_lawful_trees(data, run, tmp_path, name):
     assert "standard error" in run("info", "--errors", errors, out).stdout
 
 
+def test_assumptions_of_scans_in_one_plane_are_told(run, tmp_path):
+    angle = np.arange(-80, 81, 4.0)
+    exitant = direction_from_polar(np.abs(angle), np.where(angle < 0, 180, 0))
+    scans = [(i, exitant, gloss(i, exitant)) for i in direction_from_polar([0, 20, 40, 60], 180)]
+    paths = Measurement(scans).save(tmp_path / "scans")
+    options = ("-o", tmp_path / "out.xml", "--log2-res", 4)
+    told = run("fit", *paths, *options, "--symmetry", "isotropic")
+    assert told.exit_code == 0 and "4 of 4 scans were measured in the plane of incidence alone" in told.output
+    refused = run("fit", *paths, *options, "--symmetry", "anisotropic")
+    assert refused.exit_code == 1 and "if it is isotropic, say so" in refused.output
+
+
 def test_verb_warns_of_what_was_hardly_measured(run, tmp_path):
     paths = Measurement(line_scans(gloss, (0, 30, 60))).save(tmp_path / "scans")
     options = ("-o", tmp_path / "out.xml", "--log2-res", 3, "--frame", "fixed")

@@ -106,7 +106,7 @@ class FitSummary:
     n_scans, n_points, n_channels
         That were measured; 3 channels are X, Y and Z.
     notes
-        What was assumed, repaired or left out in reading.
+        What was assumed, repaired or left out in reading and in fitting.
     symmetry, symmetry_reason, symmetry_errors
         As of the fit.
     parts
@@ -134,7 +134,7 @@ def summarize_fit(fit: Fit, trees: FittedTrees | None = None) -> FitSummary:
         n_scans=len(measurement.scans),
         n_points=sum(len(scan.exitant) for scan in measurement.scans),
         n_channels=measurement.n_channels,
-        notes=measurement.notes,
+        notes=[*measurement.notes, *fit.notes],
         symmetry=fit.symmetry,
         symmetry_reason=fit.symmetry_reason,
         symmetry_errors=fit.symmetry_errors,

@@ -6,18 +6,18 @@ import os
 import shlex
 import sys
 from dataclasses import asdict
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import click
 
 import bsdftree
 from bsdftree import Bsdf, FitSummary, FittedTrees, Measurement
+from bsdftree._fit import Frame
+from bsdftree._measurement import Symmetry
 from bsdftree.cli._common import BASES, PERCENT, json_option, print_json, stderr, tell, with_input_errors
 from bsdftree.cli._fit_tables import show
 from bsdftree.cli._progress import cells_bar, spinner
 
-_SYMMETRIES = ["anisotropic", "bilateral_x", "bilateral_y", "quadrilateral", "isotropic"]
-_FRAMES = ["fixed", "shift", "rotation", "half-vector"]
 # More incident directions than this share outside of those measured are worth a warning.
 _MOST = 0.5
 
@@ -27,13 +27,13 @@ _MOST = 0.5
 @click.option("-o", "--output", metavar="OUT", required=True, help="File to write: .xml or .bsdft.")
 @click.option(
     "--symmetry",
-    type=click.Choice(_SYMMETRIES),
+    type=click.Choice(get_args(Symmetry)),
     help="Of the sample; bilateral_x is a mirror at the plane y = 0, bilateral_y at x = 0. [default: what the files "
     "state, or the scans show]",
 )
 @click.option(
     "--frame",
-    type=click.Choice(_FRAMES),
+    type=click.Choice(get_args(Frame)),
     help="How lobes move with the incident direction. [default: what predicts left-out scans best]",
 )
 @click.option("--rank", type=click.Choice(["3", "4"]), help="Of the tree. [default: 3 if isotropic, else 4]")
