@@ -52,6 +52,7 @@ class Tree:
         cull_percent: float | None = None,
         variance: ArrayLike | None = None,
         counts: ArrayLike | None = None,
+        balance: float | None = None,
         strict: bool = True,
     ) -> Tree:
         """Build a tree from a uniform grid; equal neighbours become one leaf.
@@ -66,7 +67,7 @@ class Tree:
             exitant x, y of the Shirley-Chiu square; rank 3 is incident polar angle and exitant x, y.
         tolerance
             Relative L1 error that joining neighbours may make, as ``l1`` of :meth:`reduce`.
-        rms, total, n_leaves, norm, cull_percent
+        rms, total, n_leaves, norm, cull_percent, balance
             As of :meth:`reduce`.
         variance
             Square of the standard error of each value [1/sr²], or of all. A branch is then kept only where its children
@@ -93,7 +94,7 @@ class Tree:
         (4096, 1)
         """
         goal = (tolerance, rms, total, n_leaves, norm, cull_percent)
-        tree, _, repairs = tree_of_grid(values, strict, *goal, variance, counts)
+        tree, _, repairs = tree_of_grid(values, strict, *goal, variance, counts, balance)
         return cls(tree, repairs)
 
     def reduce(
@@ -105,6 +106,7 @@ class Tree:
         n_leaves: int | None = None,
         norm: Norm = "l1",
         cull_percent: float | None = None,
+        balance: float | None = None,
     ) -> Tree:
         """Return a smaller tree, branches of which became leaves of their mean.
 
@@ -126,6 +128,10 @@ class Tree:
         cull_percent
             Radiance's percentage, by itself, for comparison: what its ``rttree_reduce`` makes of the values, with
             pyradiance (the extra ``radiance``). No bound is kept by it.
+        balance
+            To what leaves of one node bring the errors of totals (those of ``total``) by giving light to each other, as
+            far as they can. The light over every node then stays what it was, but a leaf is not the mean of what it
+            was; bounds are kept. Of use with ``n_leaves``: totals come several times nearer.
 
         Raises
         ------
@@ -141,9 +147,9 @@ class Tree:
         (True, True, True)
         """
         if cull_percent is not None:
-            refuse_beside_cull(l1, rms, total, n_leaves)
+            refuse_beside_cull(l1, rms, total, n_leaves, balance)
             return Tree(culled(self._core, cull_percent))
-        return Tree(_core.reduced(self._core, l1, rms, total, n_leaves, norm))
+        return Tree(_core.reduced(self._core, l1, rms, total, n_leaves, norm, balance))
 
     def loss_of(self, reduced: Tree) -> Loss:
         """How far a tree is from this one, of which it has nowhere smaller leaves."""

@@ -29,6 +29,7 @@ class Conversions(Described):
         norm: Norm = "l1",
         file: FileKind = "xml",
         cull_percent: float | None = None,
+        balance: float | None = None,
     ) -> Self:
         """Return a copy with smaller trees, as :meth:`Tree.reduce`.
 
@@ -36,7 +37,7 @@ class Conversions(Described):
 
         Parameters
         ----------
-        l1, rms, total, norm
+        l1, rms, total, norm, balance
             As of :meth:`Tree.reduce`.
         n_leaves
             Most leaves of the luminance of all components together: the bound on L1 is about as small as that allows.
@@ -52,7 +53,7 @@ class Conversions(Described):
         ValueError
             If there is no tree, nothing is given, or it cannot be so small.
         """
-        return type(self)(reduced(self._core, l1, rms, total, n_leaves, n_bytes, norm, file, cull_percent))
+        return type(self)(reduced(self._core, l1, rms, total, n_leaves, n_bytes, norm, file, cull_percent, balance))
 
     def losses_of(self, reduced: Conversions) -> list[Reduction]:
         """What the trees of a reduced copy lost, one entry for each component of each band."""

@@ -107,6 +107,7 @@ def tree_of_grid(
     cull_percent: float | None = None,
     variance: ArrayLike | None = None,
     counts: ArrayLike | None = None,
+    balance: float | None = None,
 ) -> tuple[_core.Tree, Loss, list[str]]:
     """Return the tree of a grid, reduced if anything says how far; what was lost; and what was repaired."""
     if variance is not None and counts is not None:
@@ -123,13 +124,13 @@ def tree_of_grid(
         if cull_percent is not None:
             raise ValueError("cull_percent and variance or counts; expected one of them")
         flat_noise = _beside(noise, array, "variance" if variance is not None else "counts")
-        goal = (l1, rms, total, n_leaves, norm)
+        goal = (l1, rms, total, n_leaves, norm, balance)
         tree, loss, repaired = _core.tree_of_noisy_grid(flat, flat_noise, counts is not None, rank, strict, *goal)
     elif cull_percent is None:
-        tree, loss, repaired = _core.tree_of_grid(flat, rank, strict, l1, rms, total, n_leaves, norm)
+        tree, loss, repaired = _core.tree_of_grid(flat, rank, strict, l1, rms, total, n_leaves, norm, balance)
     else:
-        refuse_beside_cull(l1, rms, total, n_leaves)
-        whole, _, repaired = _core.tree_of_grid(flat, rank, strict, None, None, None, None, norm)
+        refuse_beside_cull(l1, rms, total, n_leaves, balance)
+        whole, _, repaired = _core.tree_of_grid(flat, rank, strict, None, None, None, None, norm, None)
         tree = culled(whole, cull_percent)
         loss = _core.loss(whole, tree)
     return tree, _loss(rank, *loss), [repaired] if repaired else []
@@ -189,6 +190,7 @@ def reduced(
     norm: Norm,
     file: FileKind,
     cull_percent: float | None,
+    balance: float | None,
 ) -> _core.Bsdf:
     """Return a BSDF with smaller trees: to bounds, to about the least bound for a size, or culled."""
     if sum([n_leaves is not None, n_bytes is not None, l1 is not None or rms is not None]) > 1:
@@ -197,10 +199,10 @@ def reduced(
     if not trees:
         raise ValueError("there is no tensor tree to reduce; convert matrices by to_tree() first")
     if cull_percent is not None:
-        refuse_beside_cull(l1, rms, total, n_leaves, n_bytes)
+        refuse_beside_cull(l1, rms, total, n_leaves, n_bytes, balance)
         return _core.with_trees(bsdf, [culled(tree, cull_percent) for tree in trees])
     if n_leaves is not None:
-        return _core.reduced_bsdf_to(bsdf, n_leaves, "leaves", total, norm)
+        return _core.reduced_bsdf_to(bsdf, n_leaves, "leaves", total, norm, balance)
     if n_bytes is not None:
-        return _core.reduced_bsdf_to(bsdf, n_bytes, file, total, norm)
-    return _core.reduced_bsdf(bsdf, l1, rms, total, norm)
+        return _core.reduced_bsdf_to(bsdf, n_bytes, file, total, norm, balance)
+    return _core.reduced_bsdf(bsdf, l1, rms, total, norm, balance)

@@ -22,6 +22,7 @@ fn goal(
     total: Option<f64>,
     n_leaves: Option<usize>,
     norm: &str,
+    balance: Option<f64>,
 ) -> PyResult<Goal> {
     let norm = match norm {
         "l1" => Norm::L1,
@@ -30,7 +31,7 @@ fn goal(
             return Err(PyValueError::new_err(format!("norm {other:?}; expected \"l1\" or \"rms\"")));
         }
     };
-    Ok(Goal { l1, rms, total, n_leaves, norm })
+    Ok(Goal { l1, rms, total, balance, n_leaves, norm })
 }
 
 /// Loss as Python takes it: relative L1, relative RMS, mean and worst error of totals, and where the worst is in the incident square.
@@ -53,9 +54,10 @@ pub fn tree_of_grid(
     total: Option<f64>,
     n_leaves: Option<usize>,
     norm: &str,
+    balance: Option<f64>,
 ) -> PyResult<(Tree, LossTuple, Option<String>)> {
     let (rank, values) = (self::rank(rank)?, values.as_slice()?);
-    let goal = self::goal(l1, rms, total, n_leaves, norm)?;
+    let goal = self::goal(l1, rms, total, n_leaves, norm, balance)?;
     let is_reduced = l1.or(rms).or(total).is_some() || n_leaves.is_some();
     py.detach(|| {
         let (values, mended) = good_values(rank, values, strict)?;
@@ -83,9 +85,10 @@ pub fn tree_of_noisy_grid(
     total: Option<f64>,
     n_leaves: Option<usize>,
     norm: &str,
+    balance: Option<f64>,
 ) -> PyResult<(Tree, LossTuple, Option<String>)> {
     let (rank, values, noise) = (self::rank(rank)?, values.as_slice()?, noise.as_slice()?);
-    let goal = self::goal(l1, rms, total, n_leaves, norm)?;
+    let goal = self::goal(l1, rms, total, n_leaves, norm, balance)?;
     let noise = if is_counts { Noise::Counts(noise) } else { Noise::Variance(noise) };
     py.detach(|| {
         let (values, mended) = good_values(rank, values, strict)?;
@@ -117,6 +120,7 @@ fn good_values(
 
 /// A tree reduced to bounds or to a number of leaves.
 #[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
 pub fn reduced(
     py: Python<'_>,
     tree: &Tree,
@@ -125,8 +129,9 @@ pub fn reduced(
     total: Option<f64>,
     n_leaves: Option<usize>,
     norm: &str,
+    balance: Option<f64>,
 ) -> PyResult<Tree> {
-    let goal = goal(l1, rms, total, n_leaves, norm)?;
+    let goal = goal(l1, rms, total, n_leaves, norm, balance)?;
     let (tree, _) = py.detach(|| tree.0.reduced(&goal)).map_err(value_error)?;
     Ok(Tree(Arc::new(tree)))
 }
@@ -140,8 +145,9 @@ pub fn reduced_bsdf(
     rms: Option<f64>,
     total: Option<f64>,
     norm: &str,
+    balance: Option<f64>,
 ) -> PyResult<Bsdf> {
-    let goal = goal(l1, rms, total, None, norm)?;
+    let goal = goal(l1, rms, total, None, norm, balance)?;
     let reduced = py.detach(|| bsdf.bsdf.reduced(&goal)).map_err(value_error)?;
     Ok(Bsdf { bsdf: reduced, repairs: Vec::new() })
 }
@@ -155,8 +161,9 @@ pub fn reduced_bsdf_to(
     of: &str,
     total: Option<f64>,
     norm: &str,
+    balance: Option<f64>,
 ) -> PyResult<Bsdf> {
-    let norm = goal(None, None, None, None, norm)?.norm;
+    let goal = goal(None, None, total, None, norm, balance)?;
     let size: fn(&bsdftree::Bsdf) -> usize = match of {
         "leaves" => n_leaves,
         "xml" => |bsdf| counted(|out| xml::write(bsdf, out).map_err(drop)),
@@ -168,14 +175,13 @@ pub fn reduced_bsdf_to(
             )));
         }
     };
-    let reduced =
-        py.detach(|| bsdf.bsdf.reduced_to(most, norm, total, size)).map_err(|error| match error {
-            ReduceError::Size { least, asked } => {
-                let what = if of == "leaves" { of } else { "bytes" };
-                value_error(format!("{least} {what} are the least there can be; {asked} were asked for"))
-            }
-            other => value_error(other),
-        })?;
+    let reduced = py.detach(|| bsdf.bsdf.reduced_to(most, &goal, size)).map_err(|error| match error {
+        ReduceError::Size { least, asked } => {
+            let what = if of == "leaves" { of } else { "bytes" };
+            value_error(format!("{least} {what} are the least there can be; {asked} were asked for"))
+        }
+        other => value_error(other),
+    })?;
     Ok(Bsdf { bsdf: reduced, repairs: Vec::new() })
 }
 

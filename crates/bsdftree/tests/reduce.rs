@@ -259,3 +259,62 @@ fn values_at_the_ends_of_their_range_are_reduced() {
         assert_eq!(reduced.arena().n_leaves(), 16, "{goal:?} {loss:?}");
     }
 }
+
+#[test]
+fn leaves_give_light_to_each_other_but_nodes_keep_theirs() {
+    use bsdftree::tree::Content;
+    /// Light over all nodes of both trees, the second being one with as many nodes.
+    fn compare(a: &Tree, b: &Tree, slots: [Slot; 2], level: u32, n: &mut usize) -> [f64; 2] {
+        match slots.map(Slot::content) {
+            [Content::Node(i), Content::Node(j)] => {
+                let mut sums = [0.0; 2];
+                for (&x, &y) in a.arena().children(i).iter().zip(b.arena().children(j)) {
+                    let below = compare(a, b, [x, y], level + 1, n);
+                    sums = [sums[0] + below[0], sums[1] + below[1]];
+                }
+                assert!((sums[0] - sums[1]).abs() <= 1e-6 * sums[0], "{sums:?}");
+                *n += 1;
+                sums
+            }
+            slots => slots.map(|slot| match slot {
+                Content::Leaf(value) => f64::from(value) * 0.5f64.powi(4 * level as i32),
+                Content::Node(_) => panic!("balancing changes values alone"),
+            }),
+        }
+    }
+    for seed in 1..6 {
+        let tree = grid(Rank::Four, 3, seed);
+        let few = Goal { n_leaves: Some(tree.arena().n_leaves() / 4), ..Goal::default() };
+        let (plain, before) = tree.reduced(&few).unwrap();
+        let bound = before.worst_total / 5.0;
+        let (balanced, after) = tree.reduced(&Goal { balance: Some(bound), ..few }).unwrap();
+        assert!(after.worst_total <= 0.8 * before.worst_total, "{before:?} {after:?}");
+        assert_eq!(tree.loss_of(&balanced).unwrap(), after);
+        let mut n = 0;
+        compare(&plain, &balanced, [plain.arena().root(), balanced.arena().root()], 0, &mut n);
+        assert_eq!(n, plain.arena().n_nodes());
+        let bounded = Goal { l1: Some(0.2), balance: Some(0.0), ..Goal::default() };
+        assert!(tree.reduced(&bounded).unwrap().1.l1 <= 0.2);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(30))]
+    #[test]
+    fn balancing_never_makes_the_worst_total_worse(seed in 0u64..1000, balance in 0.0..0.1f64, four in any::<bool>()) {
+        let tree = random_tree(if four { Rank::Four } else { Rank::Three }, if four { 3 } else { 5 }, &mut Random(seed));
+        if tree.arena().log2_res() > 0 {
+            let rank = tree.rank();
+            let values = tree.to_grid(tree.arena().log2_res());
+            let goal = Goal { l1: Some(0.2), balance: Some(balance), ..Goal::default() };
+            let (balanced, loss) = Tree::reduced_from_grid(rank, &values, &goal).unwrap();
+            let whole = Tree::from_grid(rank, &values).unwrap().loss_of(&balanced).unwrap();
+            prop_assert!((whole.l1 - loss.l1).abs() < 1e-9 && whole.l1 <= 0.2 * (1.0 + 1e-9), "{whole:?} {loss:?}");
+        }
+        let goal = Goal { n_leaves: Some(tree.arena().n_leaves() / 3 + 1), ..Goal::default() };
+        let (_, before) = tree.reduced(&goal).unwrap();
+        let (balanced, after) = tree.reduced(&Goal { balance: Some(balance), ..goal }).unwrap();
+        prop_assert!(after.worst_total <= before.worst_total);
+        prop_assert_eq!(tree.loss_of(&balanced).unwrap(), after);
+    }
+}

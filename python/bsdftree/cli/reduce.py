@@ -52,6 +52,12 @@ def _bytes(_context: click.Context, _parameter: click.Parameter, value: str | No
     metavar="PERCENT",
     help="Most that any incident direction's hemispherical total may change, in percent of it or of 0.1. [default: 1]",
 )
+@click.option(
+    "--balance",
+    type=PERCENT,
+    metavar="PERCENT",
+    help="To what leaves of one node bring those changes by giving light to each other, as far as they can.",
+)
 @click.option("--leaves", type=click.IntRange(1), metavar="N", help="Most leaves of all components together.")
 @click.option("--size", callback=_bytes, metavar="SIZE", help="Largest size of OUT, such as 5MB.")
 @click.option(
@@ -89,6 +95,7 @@ def reduce(
     l1: float | None,
     rms: float | None,
     total: float | None,
+    balance: float | None,
     leaves: int | None,
     size: int | None,
     cull_percent: float | None,
@@ -123,13 +130,15 @@ def reduce(
     if (variance or counts) and (size or cull_percent is not None or not (raw or is_grid(source))):
         raise click.UsageError("--variance and --counts are of a grid, without --size or --cull-percent")
     ways = (leaves, size, cull_percent, l1 if l1 is not None else rms)
-    if sum(way is not None for way in ways) > 1 or (cull_percent is not None and total is not None):
+    if sum(way is not None for way in ways) > 1 or (
+        cull_percent is not None and (total is not None or balance is not None)
+    ):
         raise click.UsageError(
             "--leaves, --size, --cull-percent, and --l1 or --rms exclude each other; give one of them"
         )
-    if all(way is None for way in ways) and total is None and not (variance or counts):
+    if all(way is None for way in (*ways, total)) and not (variance or counts):
         l1, total = 2.0, 1.0
-    bounds = {"l1": l1, "rms": rms, "total": total}
+    bounds = {"l1": l1, "rms": rms, "total": total, "balance": balance}
     shares: dict[str, Any] = {name: bound / 100 for name, bound in bounds.items() if bound is not None}
     done = [f"{name} {bound:g} %" for name, bound in bounds.items() if bound is not None]
     sizes = {"leaves": leaves, "bytes": size}

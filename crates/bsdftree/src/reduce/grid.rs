@@ -192,25 +192,41 @@ impl<'a> Grid<'a> {
         });
     }
 
-    /// For each of those nodes, the value of the leaf of a tree with branches cut off that it is in; NaN if there it is a node.
-    fn leaves_of(&self, reduced: &Arena) -> Vec<f32> {
-        fn fill(arena: &Arena, slot: Slot, leaves: &mut [f32]) {
-            match slot.content() {
-                Content::Leaf(value) => leaves.fill(value),
-                Content::Node(_) if leaves.len() == 1 => {}
-                Content::Node(node) => {
-                    let below = leaves.chunks_exact_mut(leaves.len() / arena.rank().n_children());
-                    arena
-                        .children(node)
-                        .iter()
-                        .zip(below)
-                        .for_each(|(&child, leaves)| fill(arena, child, leaves));
+    /// For each of those nodes, the value of the leaf of a tree with branches cut off that it is in; NaN if there it is a node. The errors
+    /// of cells below such nodes are added to sums.
+    fn leaves_of(&self, reduced: &Arena, sums: &mut [f64; 2]) -> Vec<f32> {
+        let mut leaves = vec![f32::NAN; self.values.len() / self.rank.n_children()];
+        self.fill(reduced, reduced.root(), 0, &mut leaves, sums);
+        leaves
+    }
+
+    /// Fills those from a number on.
+    fn fill(&self, reduced: &Arena, slot: Slot, number: usize, leaves: &mut [f32], sums: &mut [f64; 2]) {
+        match slot.content() {
+            Content::Leaf(value) => leaves.fill(value),
+            Content::Node(node) if leaves.len() == 1 => {
+                let first = self.first[self.log2_res as usize - 1] as usize;
+                let place = (first + number) as u32;
+                let (_, cell) = self.place(place);
+                let pairs = self.children(place).into_iter().zip(reduced.children(node));
+                for (k, pair) in pairs.enumerate().filter(|(_, (whole, kept))| whole != *kept) {
+                    let (Content::Leaf(f), Content::Leaf(g)) = (pair.0.content(), pair.1.content()) else {
+                        panic!("a reduced tree is nowhere finer than the whole one")
+                    };
+                    let weight = self.weights.of(self.log2_res, 2 * cell[0] as u32 + (k as u32 & 1));
+                    let difference = f64::from(f) - f64::from(g);
+                    sums[0] += weight * difference.abs();
+                    sums[1] += weight * difference * difference;
+                }
+            }
+            Content::Node(node) => {
+                let n = leaves.len() / self.rank.n_children();
+                let below = leaves.chunks_exact_mut(n).enumerate();
+                for ((k, leaves), &child) in below.zip(reduced.children(node)) {
+                    self.fill(reduced, child, number + k * n, leaves, sums);
                 }
             }
         }
-        let mut leaves = vec![f32::NAN; self.values.len() / self.rank.n_children()];
-        fill(reduced, reduced.root(), &mut leaves);
-        leaves
     }
 
     /// Means of the nodes above those.
@@ -364,9 +380,10 @@ impl Source for Grid<'_> {
         if self.log2_res == 0 {
             return [0.0; 2];
         }
-        let leaves = self.leaves_of(reduced);
+        let mut sums = [0.0; 2];
+        let leaves = self.leaves_of(reduced, &mut sums);
         let (d, n) = (self.rank.dimensions(), self.side());
-        let (mut values, mut sums) = (vec![0.0f64; n], [0.0; 2]);
+        let mut values = vec![0.0f64; n];
         self.for_finest_rows(|cell, rows| {
             let number = self.row_number(cell);
             let pairs = values.as_chunks_mut::<2>().0.iter_mut().enumerate();

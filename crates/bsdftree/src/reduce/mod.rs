@@ -12,6 +12,7 @@ mod grid;
 mod noise;
 mod prune;
 mod totals;
+mod balance;
 mod whole;
 
 use thiserror::Error;
@@ -53,6 +54,9 @@ pub struct Goal {
     pub rms: Option<f64>,
     /// Most of |H_f − H_g| / max(H_f, [`LEAST_TOTAL`]), H being the directional-hemispherical totals of any finest incident cell.
     pub total: Option<f64>,
+    /// To what leaves that are children of one node bring `total` by giving light to each other, as far as they can: then the light over
+    /// every node is kept, but not over each of its leaves. Bounds on other errors are kept.
+    pub balance: Option<f64>,
     /// Most leaves.
     pub n_leaves: Option<usize>,
     /// What is made least where only a number of leaves is given, or a bound on totals.
@@ -122,8 +126,8 @@ pub enum ReduceError {
 
 impl Goal {
     fn validated(self) -> Result<Goal, ReduceError> {
-        let bounds = [("L1", self.l1), ("RMS", self.rms), ("totals", self.total)];
-        if bounds.iter().all(|(_, bound)| bound.is_none()) && self.n_leaves.is_none() {
+        let bounds = [("L1", self.l1), ("RMS", self.rms), ("totals", self.total), ("balance", self.balance)];
+        if bounds[..3].iter().all(|(_, bound)| bound.is_none()) && self.n_leaves.is_none() {
             return Err(ReduceError::NoGoal);
         }
         for (name, bound) in bounds {
@@ -232,11 +236,30 @@ impl<S: Source> Reduction<S> {
             }
             _ => self.bounded(goal),
         };
+        let (tree, loss) = match goal.balance {
+            Some(bound) => self.balanced(tree, loss, bound, goal),
+            None => (tree, loss),
+        };
         match n_leaves {
             Some(asked) if tree.arena().n_leaves() > asked => {
                 Err(ReduceError::Leaves { needed: tree.arena().n_leaves(), asked })
             }
             _ => Ok((tree, loss)),
+        }
+    }
+
+    /// A tree whose leaves gave light to each other, if that keeps what the goal wants.
+    fn balanced(&self, tree: Tree, before: Loss, bound: f64, goal: &Goal) -> (Tree, Loss) {
+        let keeps = |arena: &Arena| {
+            let after = loss(&self.source, arena);
+            goal.is_kept_by(&after) && after.worst_total < before.worst_total
+        };
+        match balance::balanced(&self.source, tree.arena(), bound, keeps) {
+            Some(arena) => {
+                let loss = loss(&self.source, &arena);
+                (Tree::new(arena), loss)
+            }
+            None => (tree, before),
         }
     }
 

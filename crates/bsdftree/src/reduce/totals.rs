@@ -44,7 +44,7 @@ pub(super) fn kept(
 }
 
 /// Totals of a tree with branches cut off, in the finest incident cells of what it was.
-fn reduced_totals(source: &impl Source, reduced: &Arena) -> impl Iterator<Item = f64> {
+pub(super) fn reduced_totals(source: &impl Source, reduced: &Arena) -> impl Iterator<Item = f64> {
     let (log2, shift) = (source.log2_res(), source.log2_res() - reduced.log2_res());
     let totals = Totals::new(reduced, |_, value| [value]).expect("there are fewer than of the whole tree");
     let n_cells = if source.rank() == Rank::Four { 1 << (2 * log2) } else { 1 << log2 };

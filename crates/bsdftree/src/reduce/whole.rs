@@ -36,7 +36,7 @@ impl Bsdf {
     }
 
     /// A copy reduced to a size that `size` tells of a BSDF: the errors of all luminance trees are kept within one bound, about as small
-    /// as the size allows. Few copies are made on the way: sizes follow errors smoothly.
+    /// as the size allows, and the goal's on totals; its norm says which errors. Few copies are made on the way: sizes follow errors smoothly.
     ///
     /// # Errors
     /// If the smallest there is, which has one leaf in each tree unless totals are kept within a bound too, is larger, or as
@@ -44,10 +44,11 @@ impl Bsdf {
     pub fn reduced_to(
         &self,
         most: usize,
-        norm: Norm,
-        total: Option<f64>,
+        goal: &Goal,
         size: impl Fn(&Bsdf) -> usize,
     ) -> Result<Bsdf, ReduceError> {
+        let goal = Goal { l1: None, rms: None, n_leaves: None, ..*goal };
+        Goal { n_leaves: Some(most), ..goal }.validated()?;
         let mut base = self.clone();
         let chroma = Goal { l1: Some(CHROMA), ..Goal::default() };
         for_functions(&mut base, |function, is_chroma| match is_chroma {
@@ -55,11 +56,12 @@ impl Bsdf {
             false => Ok(()),
         })?;
         let arenas = luminance_in_order(&mut base)?;
-        let reductions: Vec<_> = arenas.iter().map(|arena| Reduction::new(Nodes::new(arena), norm)).collect();
+        let reductions: Vec<_> =
+            arenas.iter().map(|arena| Reduction::new(Nodes::new(arena), goal.norm)).collect();
         let at = |bound: f64| -> Result<(Bsdf, usize), ReduceError> {
-            let goal = match norm {
-                Norm::L1 => Goal { l1: Some(bound), total, norm, ..Goal::default() },
-                Norm::Rms => Goal { rms: Some(bound), total, norm, ..Goal::default() },
+            let goal = match goal.norm {
+                Norm::L1 => Goal { l1: Some(bound), ..goal },
+                Norm::Rms => Goal { rms: Some(bound), ..goal },
             };
             let (mut bsdf, mut reductions) = (base.clone(), reductions.iter());
             for_functions(&mut bsdf, |function, is_chroma| {
