@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any, Literal, get_args
 
 import click
@@ -138,7 +138,7 @@ def fit(
         from bsdftree.plot import save
 
         save(fitted.plot(title=name or told), plot)
-    summary = fitted.summary(FittedTrees(bsdf, errors))
+    summary = replace(fitted.summary(FittedTrees(bsdf, errors)), name=bsdf.name)
     for part in summary.parts:
         if part.extrapolated > _MOST:
             tell(
