@@ -193,11 +193,11 @@ impl Fit {
         }
     }
 
-    /// Relative L1 error that trees may add: less than half of that of the fit.
+    /// Relative L1 error that trees may add: a fifth of that of the fit.
     pub fn tolerance(&self) -> f64 {
         let worst =
             self.models.iter().map(|m| m.scores[0].l1).filter(|l1| l1.is_finite()).fold(0.0, f64::max);
-        (0.4 * worst).clamp(0.005, 0.03)
+        (0.2 * worst).clamp(0.005, 0.05)
     }
 
     /// Makes trees, with as few leaves as the tolerance (relative L1) allows, and their errors.

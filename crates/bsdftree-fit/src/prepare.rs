@@ -133,11 +133,11 @@ pub(crate) fn gridded(scans: Vec<Points>) -> Vec<Gridded> {
     scans.into_par_iter().map(|s| Gridded::new(s, n)).collect()
 }
 
-/// Pixels so that the closest tenth of all points lie two pixels apart.
+/// Pixels so that the closest quarter of all points lie two pixels apart or less.
 fn resolution(scans: &[Points]) -> usize {
     let mut gaps: Vec<f32> = scans.par_iter().flat_map_iter(nearest_gaps).collect();
-    let tenth = gaps.len() / 10;
-    let gap = gaps.select_nth_unstable_by(tenth, f32::total_cmp).1.max(1e-4);
+    let quarter = gaps.len() / 4;
+    let gap = gaps.select_nth_unstable_by(quarter, f32::total_cmp).1.max(1e-4);
     let wanted = (2.0 * 2.0 * crate::raster::EXTENT / gap) as usize;
     let most = if scans.len() > MANY { PIXELS[2] } else { PIXELS[1] };
     wanted.next_power_of_two().clamp(PIXELS[0], most)

@@ -3,7 +3,7 @@
 //! A symmetry is copies of scans. If it holds, copies help to predict scans that are left out; if it does not, they spoil the prediction. So
 //! the highest symmetry is taken whose cross-validated error is not above that of the scans alone. Where incident directions lie on one
 //! azimuth or in one quadrant, nothing can be left out that copies would predict: the symmetry that makes the measurement whole is assumed,
-//! as Radiance's pabopto2bsdf assumes it, if scans are the mirror images of themselves that it asks for.
+//! as Radiance's pabopto2bsdf assumes it, unless scans contradict it plainly.
 
 use crate::blend::{Layers, Recipe};
 use crate::choose;
@@ -18,8 +18,11 @@ use crate::residual::relative_l1;
 /// A higher symmetry is taken if errors rise by no more than this factor, or this much.
 const TOLERATED: (f64, f64) = (1.05, 0.002);
 
-/// A scan is its own image if they differ by no more than this many times what neighbouring points do, or this much.
+/// A scan at normal incidence is the same turned if it differs by no more than this many times what neighbouring points do, or this much.
 const SAME_IMAGE: (f64, f64) = (2.0, 0.02);
+
+/// Scans on one azimuth that differ more from their mirror images are of no isotropic sample.
+const NEARLY_SAME: f64 = 0.25;
 
 /// With a smaller error lobes are not followed one by one to find the symmetry.
 const WELL: f64 = 0.2;
@@ -122,19 +125,30 @@ fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
         let a = *first.get_or_insert(i);
         line &= (a[0] * i[1] - a[1] * i[0]).abs() < 0.02;
     }
-    let mirrored = alone.iter().flatten().all(is_its_own_image);
     let turns = alone.iter().flatten().all(looks_the_same_turned);
-    let (symmetry, why) = if line && mirrored && turns {
-        (
-            Symmetry::Isotropic,
-            "assumed: incident directions lie on one azimuth, and scans are their own mirror images",
-        )
+    let mut differences: Vec<f64> = alone.iter().flatten().filter_map(from_own_image).collect();
+    differences.sort_by(f64::total_cmp);
+    let difference = differences.get(differences.len() / 2).copied().unwrap_or(0.0);
+    let (symmetry, why) = if line && turns && difference <= NEARLY_SAME {
+        let why = match differences.is_empty() {
+            true => "assumed: incident directions lie on one azimuth".to_owned(),
+            false => format!(
+                "assumed: incident directions lie on one azimuth, and scans differ from their mirror images by {:.1} %",
+                100.0 * difference
+            ),
+        };
+        (Symmetry::Isotropic, why)
     } else if line {
-        let why = "incident directions lie on one azimuth, but scans are not symmetrical about it, or the one at normal incidence \
-                   changes with turns: nothing is known of other azimuths";
-        (Symmetry::Anisotropic, why)
+        let why = match turns {
+            true => format!("scans differ from their mirror images by {:.0} %", 100.0 * difference),
+            false => "the scan at normal incidence changes with turns".to_owned(),
+        };
+        (
+            Symmetry::Anisotropic,
+            format!("incident directions lie on one azimuth, but {why}: nothing is known of other azimuths"),
+        )
     } else {
-        match (x == [true; 2], y == [true; 2]) {
+        let (symmetry, where_) = match (x == [true; 2], y == [true; 2]) {
             (false, false) => (Symmetry::Quadrilateral, "assumed: incident directions lie in one quadrant"),
             (true, false) => {
                 (Symmetry::BilateralX, "assumed: incident directions lie on one side of the plane y = 0")
@@ -143,23 +157,23 @@ fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
                 (Symmetry::BilateralY, "assumed: incident directions lie on one side of the plane x = 0")
             }
             (true, true) => (Symmetry::Anisotropic, "too few incident directions to find any"),
-        }
+        };
+        (symmetry, where_.to_owned())
     };
-    SymmetryFound { symmetry, why: why.to_owned(), errors: Vec::new() }
+    SymmetryFound { symmetry, why, errors: Vec::new() }
 }
 
-/// Whether a scan is symmetrical about its plane of incidence, as far as it was measured on both sides.
-fn is_its_own_image(scan: &Gridded) -> bool {
+/// How far a scan is from its image in its plane of incidence, if it was measured on both sides.
+fn from_own_image(scan: &Gridded) -> Option<f64> {
     let [x, y, _] = scan.incident;
     let r2 = x * x + y * y;
     if r2 < 1e-6 {
-        return true;
+        return None;
     }
-    let image = move |[u, v, w]: Ray| {
+    from_image(scan, move |[u, v, w]: Ray| {
         let along = 2.0 * (u * x + v * y) / r2;
         [along * x - u, along * y - v, w]
-    };
-    is_image(scan, image)
+    })
 }
 
 /// Whether a scan at normal incidence does not change with turns.
@@ -167,13 +181,17 @@ fn looks_the_same_turned(scan: &Gridded) -> bool {
     if scan.incident[2] < 0.999 {
         return true;
     }
+    let limit = (SAME_IMAGE.0 * relative_l1(&scan.held_out())).max(SAME_IMAGE.1);
     [0.5f32, 0.9, 1.570_796_4].into_iter().all(|angle| {
         let (s, c) = angle.sin_cos();
-        is_image(scan, move |[u, v, w]: Ray| [c * u - s * v, s * u + c * v, w])
+        from_image(scan, move |[u, v, w]: Ray| [c * u - s * v, s * u + c * v, w])
+            .is_none_or(|difference| difference <= limit)
     })
 }
 
-fn is_image(scan: &Gridded, image: impl Fn(Ray) -> Ray) -> bool {
+/// Relative L1 difference from an image, where that was measured too; `None` if it hardly was.
+fn from_image(scan: &Gridded, image: impl Fn(Ray) -> Ray) -> Option<f64> {
+    const LEAST: usize = 20;
     let channel = scan.main();
     let (mut difference, mut sum, mut n) = (0.0, 0.0, 0);
     for (k, &o) in scan.exitant.iter().enumerate() {
@@ -185,5 +203,5 @@ fn is_image(scan: &Gridded, image: impl Fn(Ray) -> Ray) -> bool {
             n += 1;
         }
     }
-    n < 20 || difference <= sum * (SAME_IMAGE.0 * relative_l1(&scan.held_out())).max(SAME_IMAGE.1)
+    (n >= LEAST && sum > 0.0).then(|| difference / sum)
 }
