@@ -108,8 +108,8 @@ pub(crate) fn first_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> (f32, b
 
 /// The mean over a pair of cells that a few pairs of points are too few for.
 pub(crate) fn fine_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> f32 {
-    /// Difference of sixteen over which all are taken.
-    const ROUGH: f32 = 0.6;
+    /// Difference of sixteen over which all are taken: more than slopes have, less than edges.
+    const ROUGH: f32 = 1.5;
     let (mut sum, mut low, mut high) = (0f32, f32::MAX, 0f32);
     for value in (0..N_POINTS).map(|i| f(i, partner(i))) {
         (sum, low, high) = (sum + value, low.min(value), high.max(value));

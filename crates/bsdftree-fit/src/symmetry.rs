@@ -21,9 +21,6 @@ const TOLERATED: (f64, f64) = (1.05, 0.002);
 /// A scan at normal incidence is the same turned if it differs by no more than this many times what neighbouring points do, or this much.
 const SAME_IMAGE: (f64, f64) = (2.0, 0.02);
 
-/// Scans on one azimuth that differ more from their mirror images are of no isotropic sample.
-const NEARLY_SAME: f64 = 0.25;
-
 /// With a smaller error lobes are not followed one by one to find the symmetry.
 const WELL: f64 = 0.2;
 
@@ -129,24 +126,16 @@ fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
     let mut differences: Vec<f64> = alone.iter().flatten().filter_map(from_own_image).collect();
     differences.sort_by(f64::total_cmp);
     let difference = differences.get(differences.len() / 2).copied().unwrap_or(0.0);
-    let (symmetry, why) = if line && turns && difference <= NEARLY_SAME {
-        let why = match differences.is_empty() {
-            true => "assumed: incident directions lie on one azimuth".to_owned(),
-            false => format!(
-                "assumed: incident directions lie on one azimuth, and scans differ from their mirror images by {:.1} %",
-                100.0 * difference
-            ),
+    let (symmetry, why) = if line && turns {
+        let difference = match differences.is_empty() {
+            true => String::new(),
+            false => format!(", and scans differ from their mirror images by {:.1} %", 100.0 * difference),
         };
-        (Symmetry::Isotropic, why)
+        (Symmetry::Isotropic, format!("assumed: incident directions lie on one azimuth{difference}"))
     } else if line {
-        let why = match turns {
-            true => format!("scans differ from their mirror images by {:.0} %", 100.0 * difference),
-            false => "the scan at normal incidence changes with turns".to_owned(),
-        };
-        (
-            Symmetry::Anisotropic,
-            format!("incident directions lie on one azimuth, but {why}: nothing is known of other azimuths"),
-        )
+        let why = "incident directions lie on one azimuth, but the scan at normal incidence changes with turns: \
+                   nothing is known of other azimuths";
+        (Symmetry::Anisotropic, why.to_owned())
     } else {
         let (symmetry, where_) = match (x == [true; 2], y == [true; 2]) {
             (false, false) => (Symmetry::Quadrilateral, "assumed: incident directions lie in one quadrant"),
