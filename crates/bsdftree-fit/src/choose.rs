@@ -1,6 +1,7 @@
 //! Which recipe suits a measurement: each scan is predicted from the others and compared with what was measured.
 //!
-//! The score of a recipe is the mean over left-out scans of Σ w|f̂ − f| / Σ w f, w the projected solid angle of a point. Copies by symmetry are
+//! The score of a recipe is the mean over left-out scans of Σ w|f̂ − f| / Σ w f, w the projected solid angle of a point; a scan that is darker
+//! than a fifth of the mean counts as if it were as bright as that. Copies by symmetry are
 //! left out together. Scans at the edge of what was measured are not left out: predicting them would be extrapolation.
 
 use rayon::prelude::*;
@@ -10,7 +11,7 @@ use crate::frame::Frame;
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Incidence, Line, Plane, lambert_radius};
 use crate::lambert;
-use crate::residual::{Residual, relative_l1};
+use crate::residual::{Residual, absolute_l1, measured};
 
 /// Points of a scan that are compared.
 const N_COMPARED: usize = 1500;
@@ -88,6 +89,19 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
     found
 }
 
+/// Relative L1 errors of scans left out one by one.
+pub(crate) fn errors(scans: &[Gridded], layers: &Layers, line: bool, left_out: &[usize]) -> Vec<f64> {
+    /// Darkest that a scan counts as, in units of the mean.
+    const DARK: f64 = 0.2;
+    let one = |&k: &usize| {
+        let residuals = residuals(scans, layers, line, k);
+        (absolute_l1(&residuals), measured(&residuals))
+    };
+    let sums: Vec<(f64, f64)> = left_out.par_iter().map(one).collect();
+    let mean = sums.iter().map(|s| s.1).sum::<f64>() / sums.len() as f64;
+    sums.into_iter().map(|(error, flux)| error / flux.max(DARK * mean).max(1e-12)).collect()
+}
+
 /// The recipes that are tried.
 pub(crate) fn recipes() -> Vec<Recipe> {
     let mut all = Vec::new();
@@ -121,8 +135,7 @@ pub(crate) fn scores(scans: &[Gridded], line: bool, tried: &[Recipe]) -> Vec<Sco
         if !layers.exists() {
             return None;
         }
-        let errors: Vec<f64> =
-            left_out.par_iter().map(|&k| relative_l1(&residuals(scans, &layers, line, k))).collect();
+        let errors = errors(scans, &layers, line, &left_out);
         let n = errors.len() as f64;
         {
             let worst = errors.iter().copied().fold(f64::NAN, f64::max);

@@ -20,6 +20,9 @@ const PROMINENCE: f32 = 1.6;
 /// Lobes with a smaller share of what lies above the base are left to the base.
 const LEAST_SHARE: f64 = 0.01;
 
+/// Lobes with less power than this part of the mean total are noise.
+const FAINT: f64 = 5e-3;
+
 /// Neighbours of a scan among which its lobes are looked for.
 const N_NEIGHBOURS: usize = 8;
 
@@ -75,8 +78,12 @@ fn mirror_point(incident: Ray) -> [f64; 2] {
 impl Tracks {
     /// Finds them; `None` if no scan has more than one lobe, since then nothing is gained by following them.
     pub fn new(scans: &[Gridded], channel: usize, line: bool, part: Part, levels: &[f32]) -> Option<Tracks> {
-        let found: Vec<(Vec<u8>, Vec<Lobe>)> =
-            scans.iter().zip(levels).map(|(scan, &level)| lobes_of(scan, channel, level)).collect();
+        let mean = scans.iter().map(|scan| scan.totals[channel]).sum::<f64>() / scans.len() as f64;
+        let found: Vec<(Vec<u8>, Vec<Lobe>)> = scans
+            .iter()
+            .zip(levels)
+            .map(|(scan, &level)| lobes_of(scan, channel, level, FAINT * mean))
+            .collect();
         if found.iter().all(|(_, lobes)| lobes.len() < 2) {
             return None;
         }
@@ -226,7 +233,7 @@ fn incidence_of(incidents: &[Ray], members: &[Member], line: bool) -> Option<Inc
 }
 
 /// Labels of pixels and the lobes that they are of.
-fn lobes_of(scan: &Gridded, channel: usize, level: f32) -> (Vec<u8>, Vec<Lobe>) {
+fn lobes_of(scan: &Gridded, channel: usize, level: f32, faintest: f64) -> (Vec<u8>, Vec<Lobe>) {
     let n = scan.rasters[channel].n();
     let smooth = smoothed(&scan.rasters[channel]);
     let directions: Vec<Ray> = Raster::directions(n).collect();
@@ -274,22 +281,26 @@ fn lobes_of(scan: &Gridded, channel: usize, level: f32) -> (Vec<u8>, Vec<Lobe>) 
     }
     let n_basins = parent.len();
     let pixel = lambert::SOLID_ANGLE * (2.0 * f64::from(crate::raster::EXTENT) / n as f64).powi(2);
-    let mut sums = vec![[0.0f64; 3]; n_basins];
+    // Power, and the sum of directions by the square of what lies above the base: where the lobe is brightest, not where the horizon cuts it.
+    let mut sums = vec![[0.0f64; 4]; n_basins];
     for &k in &order {
         let b = root(&mut parent, basin[k as usize]) as usize;
         let rest = f64::from((scan.rasters[channel].values()[k as usize] - level).max(0.0));
         let power = rest * f64::from(directions[k as usize][2]) * pixel;
-        let [x, y] = lambert::point(directions[k as usize]).map(f64::from);
-        sums[b] = [sums[b][0] + power, sums[b][1] + power * x, sums[b][2] + power * y];
+        sums[b][0] += power;
+        (0..3).for_each(|d| sums[b][d + 1] += rest * rest * f64::from(directions[k as usize][d]));
     }
     let all: f64 = sums.iter().map(|s| s[0]).sum();
-    let mut kept: Vec<usize> = (0..n_basins).filter(|&b| sums[b][0] > LEAST_SHARE * all).collect();
+    let mut kept: Vec<usize> =
+        (0..n_basins).filter(|&b| sums[b][0] > (LEAST_SHARE * all).max(faintest)).collect();
     kept.sort_by(|&a, &b| sums[b][0].total_cmp(&sums[a][0]));
     kept.truncate(usize::from(NONE));
     let [mx, my] = mirror_point(scan.incident);
     let lobe = |&b: &usize| {
-        let [power, x, y] = sums[b];
-        Lobe { deviation: [x / power - mx, y / power - my], power }
+        let [power, sum @ ..] = sums[b];
+        let length = sum.iter().map(|c| c * c).sum::<f64>().sqrt().max(1e-30);
+        let [x, y] = lambert::point(sum.map(|c| (c / length) as f32)).map(f64::from);
+        Lobe { deviation: [x - mx, y - my], power }
     };
     let lobes = kept.iter().map(lobe).collect();
     let mut labels = vec![NONE; n * n];

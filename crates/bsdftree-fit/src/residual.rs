@@ -20,7 +20,19 @@ pub(crate) struct Residual {
 
 /// Σ w|f̂ − f| / Σ w f.
 pub(crate) fn relative_l1(residuals: &[Residual]) -> f64 {
-    let sum =
-        |f: &dyn Fn(&Residual) -> f32| residuals.iter().map(|r| f64::from(f(r) * r.weight)).sum::<f64>();
-    sum(&|r| (r.predicted.value - r.measured).abs()) / sum(&|r| r.measured).max(1e-12)
+    absolute_l1(residuals) / sum(residuals, |r| r.measured).max(1e-12)
+}
+
+/// Σ w|f̂ − f|.
+pub(crate) fn absolute_l1(residuals: &[Residual]) -> f64 {
+    sum(residuals, |r| (r.predicted.value - r.measured).abs())
+}
+
+/// Σ w f.
+pub(crate) fn measured(residuals: &[Residual]) -> f64 {
+    sum(residuals, |r| r.measured)
+}
+
+fn sum(residuals: &[Residual], f: impl Fn(&Residual) -> f32) -> f64 {
+    residuals.iter().map(|r| f64::from(f(r) * r.weight)).sum()
 }

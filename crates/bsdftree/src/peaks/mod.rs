@@ -45,12 +45,12 @@ impl Default for PeakOptions {
     }
 }
 
-/// The map that four fifths of the given peaks, or more, follow: incident and exitant directions that are known to about `edge`, a distance
+/// The map that two thirds of the given peaks, or more, follow: incident and exitant directions that are known to about `edge`, a distance
 /// in the disk (twice that in radians near the horizon is still little). `None` if there are fewer than four, or none fits.
 pub fn map_of(peaks: &[(Direction, Direction)], edge: f64) -> Option<Map> {
     let pair = |&(incident, exitant): &(Direction, Direction)| Pair { incident, exitant, edge, weight: 1.0 };
     let pairs: Vec<Pair> = peaks.iter().map(pair).collect();
-    let least = (4 * pairs.len()).div_ceil(5).max(4);
+    let least = (2 * pairs.len()).div_ceil(3).max(4);
     best_map(&pairs, &[Map::Straight, Map::Mirror, Map::Retro], true, least)
 }
 
