@@ -143,7 +143,8 @@ impl Layers {
         };
         let total = total.clamp(0.0, 1.0);
         let cosine = if half { Some(incident[2].max(LEAST_COSINE)) } else { None };
-        Slice { moved, bases, cosine, total }
+        let apart = (1.0 - weights.iter().map(|(_, w)| w * w).sum::<f64>()).clamp(0.0, 1.0) as f32;
+        Slice { moved, bases, cosine, total, apart }
     }
 
     /// Everything that moves, as one.
@@ -216,6 +217,8 @@ pub(crate) struct Slice<'a> {
     cosine: Option<f32>,
     /// The directional-hemispherical total that scans foresee, in [0, 1].
     pub total: f64,
+    /// How far from a scan it is: 1 − Σw², 0 at a scan.
+    pub apart: f32,
 }
 
 impl Slice<'_> {

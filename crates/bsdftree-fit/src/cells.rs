@@ -106,8 +106,8 @@ pub(crate) fn first_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> (f32, b
     (mean, !is_smooth(low, high, mean, level, ROUGH[1]))
 }
 
-/// The mean over a pair of cells that a few pairs of points are too few for.
-pub(crate) fn fine_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> f32 {
+/// The mean over a pair of cells, of `n` along an axis, that a few pairs of points are too few for.
+pub(crate) fn fine_mean(level: f32, n: usize, f: impl Fn(usize, usize) -> f32) -> f32 {
     /// Difference of sixteen over which all are taken: more than slopes have, less than edges.
     const ROUGH: f32 = 1.5;
     let (mut sum, mut low, mut high) = (0f32, f32::MAX, 0f32);
@@ -118,8 +118,10 @@ pub(crate) fn fine_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> f32 {
     if is_smooth(low, high, mean, level, ROUGH) {
         return mean;
     }
-    let all = (0..N_POINTS).flat_map(|i| (0..N_POINTS).map(move |o| (i, o)));
-    all.map(|(i, o)| f(i, o)).sum::<f32>() / (N_POINTS * N_POINTS) as f32
+    // Small cells need fewer: what varies within them is less.
+    let step = (n / 32).pow(3).clamp(1, 8);
+    let pairs = (0..N_POINTS).flat_map(|i| (i % step..N_POINTS).step_by(step).map(move |o| (i, o)));
+    pairs.map(|(i, o)| f(i, o)).sum::<f32>() / (N_POINTS * N_POINTS / step) as f32
 }
 
 /// Whether an exitant cell differs so much from one beside it that an edge may lie between its points.

@@ -22,6 +22,7 @@ mod prepare;
 mod choose;
 mod symmetry;
 mod uncertainty;
+mod scales;
 mod model;
 mod cells;
 mod tree;

@@ -12,10 +12,8 @@ use crate::lambert::{self, Ray};
 use crate::measurement::Symmetry;
 use crate::prepare::{self, Points};
 use crate::raster::Raster;
+use crate::scales::Scales;
 use crate::uncertainty::Uncertainty;
-
-/// Nodes of an edge of the table of scales.
-const N_SCALES: usize = 33;
 
 /// Pixels of an edge over which slices are summed.
 const N_SUMMED: usize = 128;
@@ -34,7 +32,7 @@ pub struct Model {
     /// One per channel.
     layers: Vec<Layers>,
     /// What brings slices to the totals that were measured, by incident direction, one per channel.
-    scales: Vec<Vec<f32>>,
+    scales: Vec<Scales>,
     uncertainty: Uncertainty,
 }
 
@@ -57,7 +55,7 @@ impl Model {
         let uncertainty = Uncertainty::new(&scans, &layers[scans[0].main()], line);
         let mut model =
             Model { part, symmetry, scores, scans, incidence, layers, scales: Vec::new(), uncertainty };
-        model.scales = (0..n_channels).map(|c| model.table_of_scales(c)).collect();
+        model.scales = (0..n_channels).map(|c| model.new_scales(c)).collect();
         Some(model)
     }
 
@@ -88,54 +86,34 @@ impl Model {
         self.layers[channel].slice(incident, &weights, None)
     }
 
-    fn table_of_scales(&self, channel: usize) -> Vec<f32> {
-        let rows = if self.is_line() { 1 } else { N_SCALES };
+    fn new_scales(&self, channel: usize) -> Scales {
         let directions: Vec<(Ray, f32)> =
             Raster::directions(N_SUMMED).filter(|d| d[2] > 0.0).map(|d| (d, d[2])).collect();
         let pixel = lambert::SOLID_ANGLE as f32 * (2.0 * crate::raster::EXTENT / N_SUMMED as f32).powi(2);
-        (0..rows * N_SCALES)
-            .into_par_iter()
-            .map(|k| {
-                let at = |j: usize| 2.0 * j as f32 / (N_SCALES - 1) as f32 - 1.0;
-                let point = if self.is_line() {
-                    [-(k as f32) / (N_SCALES - 1) as f32, 0.0]
-                } else {
-                    [at(k % N_SCALES), at(k / N_SCALES)]
-                };
-                let r = point[0].hypot(point[1]);
-                // Corners of the table have the value of the rim.
-                let point = if r > 1.0 { point.map(|x| x / r) } else { point };
-                let incident = lambert::direction(point);
-                let slice = self.slice(channel, incident);
-                let sum: f32 = directions.iter().map(|&(d, cosine)| slice.value(d) * cosine).sum();
-                let sum = f64::from(sum * pixel);
-                if sum > 0.0 { (slice.total / sum) as f32 } else { 1.0 }
-            })
-            .collect()
+        let sample = |incident: Ray| {
+            let (weights, outside) = self.incidence.weights(incident);
+            let slice = self.layers[channel].slice(incident, &weights, None);
+            let sum: f32 = directions.iter().map(|&(d, cosine)| slice.value(d) * cosine).sum();
+            let sum = f64::from(sum * pixel);
+            let factor = if sum > 0.0 { (slice.total / sum) as f32 } else { 1.0 };
+            (factor, slice.apart, outside == 0.0)
+        };
+        let samples = Scales::nodes(self.is_line()).into_par_iter().map(sample).collect();
+        Scales::new(self.is_line(), samples)
     }
 
-    fn scale(&self, channel: usize, incident: Ray) -> f32 {
-        let table = &self.scales[channel];
-        let last = (N_SCALES - 1) as f32;
-        let [u, v] = lambert::point(incident);
-        if self.is_line() {
-            let x = (u.hypot(v) * last).min(last - 1e-3);
-            let j = x as usize;
-            return table[j] + (x - j as f32) * (table[j + 1] - table[j]);
-        }
-        let [x, y] = [u, v].map(|w| ((w + 1.0) * 0.5 * last).clamp(0.0, last - 1e-3));
-        let (i, j) = (x as usize, y as usize);
-        let (s, t) = (x - i as f32, y - j as f32);
-        let at = |i: usize, j: usize| table[j * N_SCALES + i];
-        let lower = at(i, j) + s * (at(i + 1, j) - at(i, j));
-        let upper = at(i, j + 1) + s * (at(i + 1, j + 1) - at(i, j + 1));
-        lower + t * (upper - lower)
+    /// A slice, what it is to be scaled by, and how far outside the measured incident directions it is.
+    fn scaled(&self, channel: usize, incident: Ray) -> (Slice<'_>, f32, f64) {
+        let (weights, outside) = self.incidence.weights(incident);
+        let slice = self.layers[channel].slice(incident, &weights, None);
+        let scale = self.scales[channel].at(incident, slice.apart, outside == 0.0);
+        (slice, scale, outside)
     }
 
     /// BSDF \[1/sr\] for pairs of directions, one channel. Pairs on other sides than the part's are 0.
     pub fn eval(&self, channel: usize, incident: &[Direction], exitant: &[Direction]) -> Vec<f64> {
         self.each(incident, exitant, |i| {
-            let (slice, scale) = (self.slice(channel, i), self.scale(channel, i));
+            let (slice, scale, _) = self.scaled(channel, i);
             move |o| f64::from(slice.value(o) * scale)
         })
     }
@@ -148,16 +126,15 @@ impl Model {
     /// Standard errors for one incident direction.
     pub(crate) fn error_slice(&self, incident: Ray) -> impl Fn(Ray) -> f64 + '_ {
         let channel = self.scans[0].main();
-        let (weights, outside) = self.incidence.weights(incident);
-        let (slice, scale) =
-            (self.layers[channel].slice(incident, &weights, None), self.scale(channel, incident));
+        let (slice, scale, outside) = self.scaled(channel, incident);
+        let apart = f64::from(slice.apart);
         move |o| {
             let mut blended = slice.blended(o);
             blended.value *= scale;
             let covered = slice.sum(o, |w, k, p| w * self.scans[k].covered.at(p)).clamp(0.0, 1.0);
             let noise2 =
                 slice.sum(o, |w, k, p| self.scans[k].noise.as_ref().map_or(0.0, |n| (w * n.at(p)).powi(2)));
-            self.uncertainty.error(blended, outside, covered, f64::from(noise2.sqrt() * scale))
+            self.uncertainty.error(blended, apart, outside, covered, f64::from(noise2.sqrt() * scale))
         }
     }
 

@@ -71,7 +71,7 @@ impl Model {
         let first = row.to_vec();
         for (c, mean) in row.iter_mut().enumerate() {
             if rough[c] || cells::beside_edge(&first, cells.n(), c, level) {
-                *mean = cells::fine_mean(level, value(c));
+                *mean = cells::fine_mean(level, cells.n(), value(c));
             }
         }
         let sum = row.iter().map(|&v| f64::from(v)).sum::<f64>() * cells.omega();

@@ -17,6 +17,9 @@ const PER_DISTANCE: f64 = 3.0;
 /// Relative error where no exitant direction was measured nearby.
 const UNCOVERED: f64 = 0.5;
 
+/// How far two scans of equal weight are apart from both.
+const HALFWAY: f64 = 0.5;
+
 /// Bins of a table.
 const N_BINS: usize = 10;
 
@@ -119,14 +122,16 @@ impl Uncertainty {
         Uncertainty { between, within, floor }
     }
 
-    /// Of a blended value, `outside` the measured incident directions, `covered` by measured exitant directions or not, with noise of its own.
-    pub fn error(&self, blended: Blended, outside: f64, covered: f32, noise: f64) -> f64 {
+    /// Of a blended value, `apart` from scans ([`crate::blend::Slice::apart`]), `outside` the measured incident directions, `covered` by measured exitant directions or not, with noise of its own.
+    pub fn error(&self, blended: Blended, apart: f64, outside: f64, covered: f32, noise: f64) -> f64 {
         let value = f64::from(blended.value);
         let scale = value.max(self.floor);
         let between = match &self.between {
             Some(table) => table.value(f64::from(blended.spread)),
             None => f64::from(blended.spread).min(1.0),
         };
+        // At a scan nothing is interpolated; halfway to the next, everything.
+        let between = between * (apart / HALFWAY).min(1.0).sqrt();
         let within = self.within.value(value);
         let uncovered = UNCOVERED * f64::from(1.0 - covered);
         let relative2 =
