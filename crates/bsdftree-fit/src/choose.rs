@@ -1,7 +1,7 @@
 //! Which recipe suits a measurement: each scan is predicted from the others and compared with what was measured.
 //!
 //! The score of a recipe is the mean over left-out scans of Σ w|f̂ − f| / Σ w f, w the projected solid angle of a point; a scan that is darker
-//! than a fifth of the mean counts as if it were as bright as that. Copies by symmetry are
+//! than a fifth of the mean counts as if it were as bright as that, and a scan that is missed altogether counts 1, however far. Copies by symmetry are
 //! left out together. Scans at the edge of what was measured are not left out: predicting them would be extrapolation.
 
 use rayon::prelude::*;
@@ -93,13 +93,15 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
 pub(crate) fn errors(scans: &[Gridded], layers: &Layers, line: bool, left_out: &[usize]) -> Vec<f64> {
     /// Darkest that a scan counts as, in units of the mean.
     const DARK: f64 = 0.2;
+    /// Error of what is missed altogether.
+    const MISSED: f64 = 1.0;
     let one = |&k: &usize| {
         let residuals = residuals(scans, layers, line, k);
         (absolute_l1(&residuals), measured(&residuals))
     };
     let sums: Vec<(f64, f64)> = left_out.par_iter().map(one).collect();
     let mean = sums.iter().map(|s| s.1).sum::<f64>() / sums.len() as f64;
-    sums.into_iter().map(|(error, flux)| error / flux.max(DARK * mean).max(1e-12)).collect()
+    sums.into_iter().map(|(error, flux)| (error / flux.max(DARK * mean).max(1e-12)).min(MISSED)).collect()
 }
 
 /// The recipes that are tried.

@@ -21,6 +21,9 @@ const TOLERATED: (f64, f64) = (1.05, 0.002);
 /// A scan at normal incidence is the same turned if it differs by no more than this many times what neighbouring points do, or this much.
 const SAME_IMAGE: (f64, f64) = (2.0, 0.02);
 
+/// Median relative difference, above what neighbouring points differ by, with which scans contradict a symmetry.
+const CONTRADICTION: f64 = 0.1;
+
 /// With a smaller error lobes are not followed one by one to find the symmetry.
 const WELL: f64 = 0.2;
 
@@ -62,8 +65,10 @@ pub(crate) fn found(parts: &[Vec<Points>]) -> SymmetryFound {
     let errors: Vec<(Symmetry, f64)> = Symmetry::ALL.into_iter().map(|s| (s, error(s))).collect();
     let limit = errors[0].1 * TOLERATED.0 + TOLERATED.1;
     let turns = alone.iter().flatten().all(looks_the_same_turned);
-    let holds =
-        |&&(symmetry, error): &&(Symmetry, f64)| error <= limit && (symmetry != Symmetry::Isotropic || turns);
+    let holds = |&&(symmetry, error): &&(Symmetry, f64)| {
+        let is_turned = symmetry != Symmetry::Isotropic || turns;
+        error <= limit && is_turned && !is_contradicted(&alone, symmetry)
+    };
     let (symmetry, error) = *errors.iter().rev().find(holds).unwrap_or(&errors[0]);
     let why = format!(
         "with its copies scans are predicted to {:.1} %, without to {:.1} %",
@@ -122,21 +127,18 @@ fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
         line &= (a[0] * i[1] - a[1] * i[0]).abs() < 0.02;
     }
     let turns = alone.iter().flatten().all(looks_the_same_turned);
-    let mut differences: Vec<f64> = alone.iter().flatten().filter_map(from_own_image).collect();
-    differences.sort_by(f64::total_cmp);
-    let difference = differences.get(differences.len() / 2).copied().unwrap_or(0.0);
+    let difference = median(alone.iter().flatten().filter_map(from_own_image).collect());
     let (symmetry, why) = if line && turns {
-        let difference = match differences.is_empty() {
-            true => String::new(),
-            false => format!(", and scans differ from their mirror images by {:.1} %", 100.0 * difference),
-        };
+        let difference = difference.map_or(String::new(), |difference| {
+            format!(", and scans differ from their mirror images by {:.1} %", 100.0 * difference)
+        });
         (Symmetry::Isotropic, format!("assumed: incident directions lie on one azimuth{difference}"))
     } else if line {
         let why = "incident directions lie on one azimuth, but the scan at normal incidence changes with turns: \
                    nothing is known of other azimuths";
         (Symmetry::Anisotropic, why.to_owned())
     } else {
-        let (symmetry, where_) = match (x == [true; 2], y == [true; 2]) {
+        let (mut symmetry, where_) = match (x == [true; 2], y == [true; 2]) {
             (false, false) => (Symmetry::Quadrilateral, "assumed: incident directions lie in one quadrant"),
             (true, false) => {
                 (Symmetry::BilateralX, "assumed: incident directions lie on one side of the plane y = 0")
@@ -146,9 +148,51 @@ fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
             }
             (true, true) => (Symmetry::Anisotropic, "too few incident directions to find any"),
         };
-        (symmetry, where_.to_owned())
+        let mut why = where_.to_owned();
+        if is_contradicted(alone, symmetry) {
+            why = format!(
+                "{where_}, but scans are not the images of each other that {} asks for",
+                symmetry.name()
+            );
+            why = why.replace("assumed: ", "");
+            symmetry = Symmetry::Anisotropic;
+        }
+        (symmetry, why)
     };
     SymmetryFound { symmetry, why, errors: Vec::new() }
+}
+
+/// Whether scans whose incident directions are images of each other differ plainly from what a symmetry asks for.
+fn is_contradicted(alone: &[Vec<Gridded>], symmetry: Symmetry) -> bool {
+    /// Farthest that an incident direction may be from the image of another to be compared.
+    const NEAR: f32 = 0.02;
+    let mirror_x = |[x, y, z]: Ray| [-x, y, z];
+    let mirror_y = |[x, y, z]: Ray| [x, -y, z];
+    let images: &[&dyn Fn(Ray) -> Ray] = match symmetry {
+        Symmetry::Anisotropic | Symmetry::Isotropic => &[],
+        Symmetry::BilateralX => &[&mirror_y],
+        Symmetry::BilateralY => &[&mirror_x],
+        Symmetry::Quadrilateral => &[&mirror_x, &mirror_y],
+    };
+    alone.iter().any(|scans| {
+        let limits = scans.iter().map(|scan| SAME_IMAGE.0 * relative_l1(&scan.held_out()));
+        let limit = median(limits.collect()).unwrap_or(0.0) + CONTRADICTION;
+        images.iter().any(|image| {
+            let partner = |scan: &Gridded| {
+                let there = image(scan.incident);
+                let apart =
+                    |other: &Gridded| (0..3).map(|d| (other.incident[d] - there[d]).abs()).sum::<f32>();
+                let nearest = scans.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+                if apart(nearest) < NEAR { from_image_in(scan, nearest, image) } else { None }
+            };
+            median(scans.iter().filter_map(partner).collect()).is_some_and(|difference| difference > limit)
+        })
+    })
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 /// How far a scan is from its image in its plane of incidence, if it was measured on both sides.
@@ -179,14 +223,19 @@ fn looks_the_same_turned(scan: &Gridded) -> bool {
 
 /// Relative L1 difference from an image, where that was measured too; `None` if it hardly was.
 fn from_image(scan: &Gridded, image: impl Fn(Ray) -> Ray) -> Option<f64> {
+    from_image_in(scan, scan, image)
+}
+
+/// The same of the image of one scan from another.
+fn from_image_in(scan: &Gridded, other: &Gridded, image: impl Fn(Ray) -> Ray) -> Option<f64> {
     const LEAST: usize = 20;
     let channel = scan.main();
     let (mut difference, mut sum, mut n) = (0.0, 0.0, 0);
     for (k, &o) in scan.exitant.iter().enumerate() {
         let there = lambert::point(image(o));
-        if scan.covered.at(there) > 0.99 {
+        if other.covered.at(there) > 0.99 {
             let (value, weight) = (scan.values[channel][k], scan.weights[k]);
-            difference += f64::from((value - scan.rasters[channel].at(there)).abs() * weight);
+            difference += f64::from((value - other.rasters[channel].at(there)).abs() * weight);
             sum += f64::from(value * weight);
             n += 1;
         }
