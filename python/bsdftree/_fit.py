@@ -33,9 +33,9 @@ class Recipe:
     reciprocal: bool
     """Whether pairs of directions are averaged with swapped pairs."""
     l1: float
-    """Mean relative L1 error over scans left out, weighted by projected solid angle; NaN if none can be left out."""
+    """Relative L1 error of scans left out, weighted by projected solid angle; NaN if none can be left out."""
     worst: float
-    """The worst scan's."""
+    """That of the worst scan that is not dark."""
 
 
 class FittedTrees(NamedTuple):

@@ -1,8 +1,8 @@
 //! Which recipe suits a measurement: each scan is predicted from the others and compared with what was measured.
 //!
-//! The score of a recipe is the mean over left-out scans of Σ w|f̂ − f| / Σ w f, w the projected solid angle of a point; a scan that is darker
-//! than a fifth of the mean counts as if it were as bright as that, and a scan that is missed altogether counts 1, however far. Copies by symmetry are
-//! left out together. Scans at the edge of what was measured are not left out: predicting them would be extrapolation.
+//! The score of a recipe is Σ w|f̂ − f| over Σ w f of all left-out scans, w the projected solid angle of a point, where a scan counts with no more
+//! than its own light, however far off it is. Copies by symmetry are left out together. Scans at the edge of what was measured are not left out:
+//! predicting them would be extrapolation.
 
 use rayon::prelude::*;
 
@@ -24,9 +24,9 @@ const N_LEFT_OUT: usize = 48;
 pub struct Score {
     /// The way to interpolate.
     pub recipe: Recipe,
-    /// Mean relative L1 error over left-out scans.
+    /// Relative L1 error of left-out scans together.
     pub l1: f64,
-    /// The worst scan's.
+    /// That of the worst scan that is not dark.
     pub worst: f64,
 }
 
@@ -89,19 +89,34 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
     found
 }
 
-/// Relative L1 errors of scans left out one by one.
-pub(crate) fn errors(scans: &[Gridded], layers: &Layers, line: bool, left_out: &[usize]) -> Vec<f64> {
-    /// Darkest that a scan counts as, in units of the mean.
+/// What is predicted wrongly of scans that are left out one by one.
+pub(crate) struct Missed {
+    /// Of the light of all together.
+    pub together: f64,
+    /// Of the worst scan that is not dark.
+    pub worst: f64,
+    /// Mean over scans, whatever light they have.
+    pub mean: f64,
+}
+
+/// Leaves scans out and predicts them.
+pub(crate) fn missed(scans: &[Gridded], layers: &Layers, line: bool, left_out: &[usize]) -> Missed {
+    /// Scans with less of the mean flux are dark.
     const DARK: f64 = 0.2;
-    /// Error of what is missed altogether.
-    const MISSED: f64 = 1.0;
     let one = |&k: &usize| {
         let residuals = residuals(scans, layers, line, k);
         (absolute_l1(&residuals), measured(&residuals))
     };
     let sums: Vec<(f64, f64)> = left_out.par_iter().map(one).collect();
-    let mean = sums.iter().map(|s| s.1).sum::<f64>() / sums.len() as f64;
-    sums.into_iter().map(|(error, flux)| (error / flux.max(DARK * mean).max(1e-12)).min(MISSED)).collect()
+    let flux = sums.iter().map(|s| s.1).sum::<f64>();
+    let n = sums.len() as f64;
+    let dark = DARK * flux / n;
+    let bright = sums.iter().filter(|s| s.1 >= dark);
+    Missed {
+        together: sums.iter().map(|&(error, flux)| error.min(flux)).sum::<f64>() / flux,
+        worst: bright.map(|&(error, flux)| error / flux).fold(f64::NAN, f64::max),
+        mean: sums.iter().map(|&(error, flux)| (error / flux.max(dark)).min(1.0)).sum::<f64>() / n,
+    }
 }
 
 /// The recipes that are tried.
@@ -137,12 +152,8 @@ pub(crate) fn scores(scans: &[Gridded], line: bool, tried: &[Recipe]) -> Vec<Sco
         if !layers.exists() {
             return None;
         }
-        let errors = errors(scans, &layers, line, &left_out);
-        let n = errors.len() as f64;
-        {
-            let worst = errors.iter().copied().fold(f64::NAN, f64::max);
-            Some(Score { recipe, l1: errors.iter().sum::<f64>() / n, worst })
-        }
+        let missed = missed(scans, &layers, line, &left_out);
+        Some(Score { recipe, l1: missed.together, worst: missed.worst })
     };
     let mut scores: Vec<Score> = ordered.into_iter().filter_map(&mut score).collect();
     scores.sort_by(|a, b| a.l1.total_cmp(&b.l1));

@@ -18,7 +18,7 @@ pub enum Frame {
     Rotation,
     /// As mirrors of a rough surface: the half vector stays, and f·cos θ_i·cos θ_o is blended instead of f.
     Half,
-    /// Each lobe with its own centre ([`crate::lobes`]), as those of prisms do.
+    /// Each lobe with its own centre, as those of prisms do.
     Lobes,
 }
 

@@ -90,7 +90,7 @@ fn error_of(scans: &[Gridded], line: bool, groups: &[usize]) -> f64 {
         if !layers.exists() {
             return f64::MAX;
         }
-        choose::errors(scans, &layers, line, &judged).iter().sum::<f64>() / judged.len() as f64
+        choose::missed(scans, &layers, line, &judged).mean
     };
     let moved = [Frame::Fixed, Frame::Shift, Frame::Rotation, Frame::Half];
     let least = moved.into_iter().map(&mut error).fold(f64::MAX, f64::min);
