@@ -2,7 +2,8 @@
 //!
 //! Many goniophotometers move in one plane. What leaves elsewhere was then not measured; it is *assumed* to depend on the angle γ from the mirror
 //! direction m (or from where light goes straight through) and to go evenly, as (1 + cos ψ)/2, from what was measured at γ beyond m to
-//! what was measured at γ before it, ψ being the angle about m. In the plane that is the measurement itself.
+//! what was measured at γ before it, ψ being the angle about m; where only one of the two was measured, that counts. In the plane that is
+//! the measurement itself.
 
 use crate::lambert::Ray;
 use crate::prepare::Points;
@@ -30,17 +31,11 @@ pub(crate) fn spread(mut scan: Points) -> Points {
     radii.sort_by(f32::total_cmp);
     radii.dedup_by(|a, b| *a - *b < STEP);
     let measured = scan.values.clone();
+    // Nothing beyond the outermost points.
     let at = |values: &[f32], delta: f32| {
         let upper = along.partition_point(|&(d, _)| d < delta);
-        match (upper.checked_sub(1).map(|j| along[j]), along.get(upper)) {
-            (Some((a, j)), Some(&(b, k))) => {
-                let t = (delta - a) / (b - a).max(1e-9);
-                values[j] + t * (values[k] - values[j])
-            }
-            (Some((_, j)), None) => values[j],
-            (None, Some(&(_, k))) => values[k],
-            (None, None) => 0.0,
-        }
+        let (&(b, k), (a, j)) = (along.get(upper)?, along[upper.checked_sub(1)?]);
+        Some(values[j] + (delta - a) / (b - a).max(1e-9) * (values[k] - values[j]))
     };
     let (s, c) = mirror.sin_cos();
     for &radius in radii.iter().filter(|&&radius| radius > STEP) {
@@ -53,7 +48,9 @@ pub(crate) fn spread(mut scan: Points) -> Points {
                 let forward = 0.5 * (1.0 + psi.cos());
                 scan.exitant.push(o);
                 for (values, measured) in scan.values.iter_mut().zip(&measured) {
-                    values.push(forward * at(measured, radius) + (1.0 - forward) * at(measured, -radius));
+                    let (beyond, before) = (at(measured, radius), at(measured, -radius));
+                    let (beyond, before) = (beyond.or(before), before.or(beyond));
+                    values.push(beyond.zip(before).map_or(0.0, |(f, b)| forward * f + (1.0 - forward) * b));
                 }
             }
         }
