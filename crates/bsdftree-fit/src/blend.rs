@@ -20,7 +20,7 @@ use crate::residual::Blended;
 const EPSILON: f64 = 3e-3;
 
 /// The base of a scan in units of its median.
-pub(crate) const BASE: f32 = 1.5;
+const BASE: f32 = 1.5;
 
 /// One way to interpolate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -106,15 +106,16 @@ impl Tracks {
                 .filter(|label| **label != NONE)
                 .for_each(|label| *label = renumbered[usize::from(*label)]);
         }
+        let incidents: Vec<Ray> = scans.iter().map(|s| s.incident).collect();
         let track = |&t: &usize| {
             let member = |k: usize| {
                 let j = numbers[k].iter().position(|&number| number == t)?;
                 Some((k, lobes[k][j].deviation, lobes[k][j].power))
             };
             let members: Vec<_> = (0..scans.len()).filter_map(member).collect();
-            let incidence = incidence(scans, &members, line, None);
-            let incidents: Vec<Ray> = members.iter().map(|m| scans[m.0].incident).collect();
-            let map = map_of_members(part, &incidents, &members);
+            let incidence = incidence_of(&incidents, &members, line);
+            let own: Vec<Ray> = members.iter().map(|m| incidents[m.0]).collect();
+            let map = map_of_members(part, &own, &members);
             Track { members, incidence: incidence.expect("a track has members"), map }
         };
         Some(Tracks { tracks: order.iter().map(track).collect(), labels, part })
@@ -208,12 +209,6 @@ impl Track {
     pub fn power_in(&self, scan: usize) -> f64 {
         self.members.iter().find(|m| m.0 == scan).map_or(0.0, |m| m.2)
     }
-}
-
-fn incidence(scans: &[Gridded], members: &[Member], line: bool, without: Option<usize>) -> Option<Incidence> {
-    let incidents: Vec<Ray> = scans.iter().map(|s| s.incident).collect();
-    let kept: Vec<_> = members.iter().copied().filter(|m| Some(scans[m.0].group) != without).collect();
-    incidence_of(&incidents, &kept, line)
 }
 
 fn incidence_of(incidents: &[Ray], members: &[Member], line: bool) -> Option<Incidence> {

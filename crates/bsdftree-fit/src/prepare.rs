@@ -58,21 +58,28 @@ pub(crate) fn points_of(measurement: &Measurement, part: Part) -> Vec<Points> {
 /// Copies that a symmetry makes. Scans whose incident direction is its own image get points instead; at [`Symmetry::Isotropic`] all are
 /// turned into the half-plane y = 0, x ≤ 0.
 pub(crate) fn symmetric(scans: Vec<Points>, symmetry: Symmetry) -> Vec<Points> {
-    let mirror_x = |[x, y, z]: Ray| [-x, y, z];
-    let mirror_y = |[x, y, z]: Ray| [x, -y, z];
-    let all = match symmetry {
-        Symmetry::Anisotropic => scans,
-        Symmetry::BilateralX => copied(scans, mirror_y),
-        Symmetry::BilateralY => copied(scans, mirror_x),
-        Symmetry::Quadrilateral => copied(copied(scans, mirror_y), mirror_x),
+    let scans = match symmetry {
         Symmetry::Isotropic => {
             let scans = merged(scans.into_iter().map(turned).collect());
             let whole =
                 |scan: Points| if in_plane::is_in_plane(&scan) { in_plane::spread(scan) } else { scan };
-            copied(scans.into_iter().map(whole).collect(), mirror_y)
+            scans.into_iter().map(whole).collect()
         }
+        _ => scans,
     };
-    merged(all)
+    merged(mirrors(symmetry).iter().fold(scans, copied))
+}
+
+/// The mirrors of a symmetry; of an isotropic sample, that of the half-plane in which its scans are.
+pub(crate) fn mirrors(symmetry: Symmetry) -> &'static [fn(Ray) -> Ray] {
+    const X: fn(Ray) -> Ray = |[x, y, z]| [-x, y, z];
+    const Y: fn(Ray) -> Ray = |[x, y, z]| [x, -y, z];
+    match symmetry {
+        Symmetry::Anisotropic => &[],
+        Symmetry::BilateralX | Symmetry::Isotropic => &[Y],
+        Symmetry::BilateralY => &[X],
+        Symmetry::Quadrilateral => &[Y, X],
+    }
 }
 
 pub(crate) fn turned(scan: Points) -> Points {

@@ -162,22 +162,17 @@ fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
     SymmetryFound { symmetry, why, errors: Vec::new() }
 }
 
-/// Whether scans whose incident directions are images of each other differ plainly from what a symmetry asks for.
+/// Whether scans whose incident directions are mirror images of each other differ plainly from what a symmetry asks for. Turns are not looked at.
 fn is_contradicted(alone: &[Vec<Gridded>], symmetry: Symmetry) -> bool {
     /// Farthest that an incident direction may be from the image of another to be compared.
     const NEAR: f32 = 0.02;
-    let mirror_x = |[x, y, z]: Ray| [-x, y, z];
-    let mirror_y = |[x, y, z]: Ray| [x, -y, z];
-    let images: &[&dyn Fn(Ray) -> Ray] = match symmetry {
-        Symmetry::Anisotropic | Symmetry::Isotropic => &[],
-        Symmetry::BilateralX => &[&mirror_y],
-        Symmetry::BilateralY => &[&mirror_x],
-        Symmetry::Quadrilateral => &[&mirror_x, &mirror_y],
-    };
+    if symmetry == Symmetry::Isotropic {
+        return false;
+    }
     alone.iter().any(|scans| {
         let limits = scans.iter().map(|scan| SAME_IMAGE.0 * relative_l1(&scan.held_out()));
         let limit = median(limits.collect()).unwrap_or(0.0) + CONTRADICTION;
-        images.iter().any(|image| {
+        prepare::mirrors(symmetry).iter().any(|image| {
             let partner = |scan: &Gridded| {
                 let there = image(scan.incident);
                 let apart =

@@ -1,7 +1,6 @@
 //! A fitted model → trees.
 
 use std::cell::OnceCell;
-use std::sync::atomic::Ordering;
 
 use bsdftree::Rank;
 use bsdftree::square::disk_from_square;
@@ -31,7 +30,6 @@ impl Model {
             progress.one_done().then_some(())
         })
         .ok_or(FitError::Stopped)?;
-        debug_assert!(!progress.stop.load(Ordering::Relaxed) || grid.is_empty());
         Ok(Tree::from_grid(cells.rank, &grid)?)
     }
 
@@ -45,8 +43,8 @@ impl Model {
         exitant: &[[Ray; cells::N_POINTS]],
         row: &mut [f32],
     ) {
-        let turns = cells.incident(cell).map(|i| self.turn(i));
         let mut points = cells.incident(cell);
+        let turns = points.map(|i| self.turn(i));
         points.iter_mut().zip(turns).for_each(|(i, turn)| *i = turned(*i, turn));
         let slices: [OnceCell<Slice<'_>>; cells::N_POINTS] = Default::default();
         let slice = |k: usize| slices[k].get_or_init(|| self.slice(channel, points[k]));

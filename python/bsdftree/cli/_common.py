@@ -13,7 +13,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from bsdftree import Bsdf, Tree, load
+from bsdftree import Bsdf, Measurement, Tree, load
 from bsdftree._grid_file import read_grid
 
 P = ParamSpec("P")
@@ -106,5 +106,20 @@ BASES = click.Choice(["full", "half", "half73", "quarter"])
 PERCENT = click.FloatRange(0, 100, max_open=True)
 repair_option = click.option(
     "--repair", is_flag=True, help="Mend what can be mended in a faulty file, and say what was mended."
+)
+columns_option = click.option(
+    "--columns",
+    metavar="LIST",
+    help="Of tables (CSV): theta_i=NAME,phi_i=2,theta_o=…,phi_o=…,value=…[,error=…], columns by name or number from 1.",
+)
+format_option = click.option(
+    "--format", "format_", type=click.Choice(Measurement.FORMATS), help="If the content of the files does not tell."
+)
+side_option = click.option(
+    "--side",
+    type=click.Choice(["front", "back"]),
+    default="front",
+    show_default=True,
+    help="Side of the device that was the sample's front; front is the room.",
 )
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs instead of tables.")

@@ -14,7 +14,18 @@ import bsdftree
 from bsdftree import Bsdf, FitSummary, FittedTrees, Measurement
 from bsdftree._fit import Frame
 from bsdftree._measurement import Symmetry
-from bsdftree.cli._common import BASES, PERCENT, json_option, print_json, stderr, tell, with_input_errors
+from bsdftree.cli._common import (
+    BASES,
+    PERCENT,
+    columns_option,
+    format_option,
+    json_option,
+    print_json,
+    side_option,
+    stderr,
+    tell,
+    with_input_errors,
+)
 from bsdftree.cli._fit_tables import show
 from bsdftree.cli._progress import cells_bar, spinner
 
@@ -47,7 +58,7 @@ _MOST = 0.5
     "--tolerance",
     type=PERCENT,
     metavar="PERCENT",
-    help="Relative L1 error that reducing the tree may add; 0 keeps everything. [default: less than half of the fit's]",
+    help="Relative L1 error that reducing the tree may add; 0 keeps everything. [default: a fifth of the fit's]",
 )
 @click.option("--klems", type=BASES, help="A Klems matrix of the tree instead of the tree.")
 @click.option(
@@ -57,21 +68,9 @@ _MOST = 0.5
     help="Write the same tree with a standard error in place of each value; bsdftree info --errors reads it.",
 )
 @click.option("--plot", type=click.Path(), metavar="FILE", help="Draw points beside fitted values and errors.")
-@click.option(
-    "--columns",
-    metavar="LIST",
-    help="Of tables (CSV): theta_i=NAME,phi_i=2,theta_o=…,phi_o=…,value=…[,error=…], columns by name or number from 1.",
-)
-@click.option(
-    "--format", "format_", type=click.Choice(Measurement.FORMATS), help="If the content of the files does not tell."
-)
-@click.option(
-    "--side",
-    type=click.Choice(["front", "back"]),
-    default="front",
-    show_default=True,
-    help="Side of the device that was the sample's front; front is the room.",
-)
+@columns_option
+@format_option
+@side_option
 @click.option("--name", help="Name of the product in the file. [default: the sample's]")
 @click.option("--manufacturer", help="Its maker.")
 @json_option

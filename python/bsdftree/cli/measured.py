@@ -9,7 +9,16 @@ import click
 from rich.console import Console
 
 from bsdftree import Measurement
-from bsdftree.cli._common import json_option, print_json, printable, table, with_input_errors
+from bsdftree.cli._common import (
+    columns_option,
+    format_option,
+    json_option,
+    print_json,
+    printable,
+    side_option,
+    table,
+    with_input_errors,
+)
 
 # Two names of angles and four ranges take more than the width of other tables.
 _wide = Console(soft_wrap=True, width=170)
@@ -19,21 +28,9 @@ _MOST_ROWS = 60
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path())
-@click.option(
-    "--columns",
-    metavar="LIST",
-    help="Of tables (CSV): theta_i=NAME,phi_i=2,theta_o=…,phi_o=…,value=…[,error=…], columns by name or number from 1.",
-)
-@click.option(
-    "--format", "format_", type=click.Choice(Measurement.FORMATS), help="If the content of the files does not tell."
-)
-@click.option(
-    "--side",
-    type=click.Choice(["front", "back"]),
-    default="front",
-    show_default=True,
-    help="Side of the device that was the sample's front; front is the room.",
-)
+@columns_option
+@format_option
+@side_option
 @click.option("--plot", type=click.Path(), metavar="FILE", help="Draw the coverage as PNG, SVG or PDF.")
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False), metavar="DIR", help="Write files that pabopto2bsdf takes."
