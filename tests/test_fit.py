@@ -120,6 +120,19 @@ def test_stated_symmetry_is_taken_and_given_symmetry_wins():
     assert bsdftree.fit(stated, symmetry="isotropic").symmetry_reason == "given"
 
 
+def test_what_is_assumed_is_said_to_be():
+    quadrant = ring_scans(lambda i, o: gloss(i, o, across=2.5), thetas=(20, 50), azimuths=(180, 210, 240, 270), n=150)
+    assumed = bsdftree.fit(Measurement(quadrant))
+    assert assumed.symmetry == "quadrilateral" and not assumed.symmetry_errors
+    assert assumed.symmetry_reason.startswith(
+        "assumed, not tested: incident directions lie in one quadrant, and scans differ from such images as there are"
+    )
+    between = ring_scans(lambda i, o: gloss(i, o, across=2.5), thetas=(20, 50), azimuths=(200, 230, 260), n=150)
+    assert "no scan has an image to be compared with" in bsdftree.fit(Measurement(between)).symmetry_reason
+    line = bsdftree.fit(Measurement(line_scans(gloss, n=150)))
+    assert line.symmetry_reason.startswith("assumed, not tested: incident directions lie on one azimuth, and scans")
+
+
 def test_errors_lie_in_the_cells_of_the_values(glossy):
     bsdf, errors = glossy.trees(log2_res=5)
     tree, of_tree = (b.components["reflection_back"] for b in (bsdf, errors))

@@ -85,7 +85,9 @@ class Measurement:
     parts: list[str]
     scans: list[_Scan]
     @staticmethod
-    def read(paths: list[str], *, format: str | None, columns: str | None, side: str) -> Measurement: ...
+    def read(
+        paths: list[str], *, format: str | None, columns: str | None, side: str, grazing: float | None
+    ) -> Measurement: ...
     @staticmethod
     def of_arrays(
         scans: list[_Scan],

@@ -27,6 +27,7 @@ _GRAZING_DEG = 85.0
 _N_CELLS = 96
 # Images of incident directions by symmetry; of isotropic samples polar angles alone count.
 _MIRRORS = {
+    "half_turn": [(-1, -1, 1)],
     "bilateral_x": [(1, -1, 1)],
     "bilateral_y": [(-1, 1, 1)],
     "quadrilateral": [(1, -1, 1), (-1, 1, 1), (-1, -1, 1)],

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-Symmetry = Literal["anisotropic", "bilateral_x", "bilateral_y", "quadrilateral", "isotropic"]
+Symmetry = Literal["anisotropic", "half_turn", "bilateral_x", "bilateral_y", "quadrilateral", "isotropic"]
 Side = Literal["front", "back"]
 Path_ = str | os.PathLike[str]
 
@@ -73,6 +73,9 @@ class ScanSummary:
         How many values are below 0.
     relative_error
         Median of standard error over value; None if errors are not known.
+    asymmetry
+        How far values are from those mirrored at the plane of incidence, relative (L1, by projected solid angle); of
+        isotropic samples this is noise. None of vertical light, and of points on one side.
     total
         Estimate of the fraction of the light that is scattered there; None if a hole is larger than 20 degrees.
     """
@@ -89,6 +92,7 @@ class ScanSummary:
     value_range: tuple[float, float]
     n_negative: int
     relative_error: float | None
+    asymmetry: float | None
     total: float | None
 
 
@@ -104,7 +108,7 @@ class Measurement:
         Of the sample.
     symmetry
         What turns and mirrors the sample looks the same after, if it is known: ``bilateral_x`` is a mirror at the
-        plane y = 0, ``bilateral_y`` at x = 0, ``quadrilateral`` both.
+        plane y = 0, ``bilateral_y`` at x = 0, ``quadrilateral`` both; ``half_turn`` is half a turn without a mirror.
     wavelength_nm
         Wavelength of the source [nm], if there is one.
     notes
@@ -163,6 +167,7 @@ class Measurement:
         columns: str | Mapping[str, str | int] | None = None,
         side: Side = "front",
         format: str | None = None,
+        grazing: float | Literal["auto"] | None = None,
     ) -> Measurement:
         """Read the files of one sample.
 
@@ -181,6 +186,9 @@ class Measurement:
             ``back`` the sample is turned about the vertical, so that up stays up.
         format
             If the content does not tell: one of :attr:`FORMATS`.
+        grazing
+            Points nearer to the surface than this [degree] are left out, where scans are noisy and see edges; with
+            ``"auto"`` those nearer than the lowest incident direction.
 
         Returns
         -------
@@ -198,7 +206,8 @@ class Measurement:
         if isinstance(columns, Mapping):
             columns = ",".join(f"{name}={column}" for name, column in columns.items())
         paths_ = [os.fspath(name) for name in names]
-        return cls._of(_core.Measurement.read(paths_, format=format, columns=columns, side=side))
+        angle = float("inf") if grazing == "auto" else grazing
+        return cls._of(_core.Measurement.read(paths_, format=format, columns=columns, side=side, grazing=angle))
 
     @classmethod
     def _of(cls, core: _core.Measurement) -> Measurement:

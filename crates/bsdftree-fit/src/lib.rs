@@ -5,20 +5,20 @@
 
 pub mod measurement;
 mod coverage;
-pub mod summary;
-pub mod read;
-pub mod write;
-
 mod lambert;
 mod raster;
 mod residual;
 mod gridded;
+mod in_plane;
+mod prepare;
+mod images;
+pub mod summary;
+pub mod read;
+pub mod write;
 mod incidence;
 mod frame;
 mod lobes;
 mod blend;
-mod in_plane;
-mod prepare;
 mod choose;
 mod symmetry;
 mod uncertainty;

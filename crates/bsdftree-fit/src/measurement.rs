@@ -46,6 +46,8 @@ pub struct Measurement {
 pub enum Symmetry {
     /// None.
     Anisotropic,
+    /// Half a turn about the normal, no mirror: what pabopto2bsdf calls "up".
+    HalfTurn,
     /// A mirror at the plane y = 0.
     BilateralX,
     /// A mirror at the plane x = 0.
@@ -58,8 +60,9 @@ pub enum Symmetry {
 
 impl Symmetry {
     /// All of them.
-    pub const ALL: [Symmetry; 5] = [
+    pub const ALL: [Symmetry; 6] = [
         Symmetry::Anisotropic,
+        Symmetry::HalfTurn,
         Symmetry::BilateralX,
         Symmetry::BilateralY,
         Symmetry::Quadrilateral,
@@ -70,6 +73,7 @@ impl Symmetry {
     pub fn name(self) -> &'static str {
         match self {
             Symmetry::Anisotropic => "anisotropic",
+            Symmetry::HalfTurn => "half_turn",
             Symmetry::BilateralX => "bilateral_x",
             Symmetry::BilateralY => "bilateral_y",
             Symmetry::Quadrilateral => "quadrilateral",
@@ -88,6 +92,22 @@ impl Measurement {
             })
         };
         Part::ALL.into_iter().filter(|&part| has(part)).collect()
+    }
+
+    /// Leaves out what was measured nearer to the surface than an angle \[degree\]; how many points that were. Incident directions stay.
+    pub fn leave_out_grazing(&mut self, angle_deg: f64) -> usize {
+        // What was measured at just that angle stays, whatever its rounding.
+        let least = angle_deg.to_radians().sin() - 1e-9;
+        let n = self.n_channels;
+        self.scans.iter_mut().map(|scan| scan.retain(n, |exitant| exitant[2].abs() >= least)).sum()
+    }
+
+    /// The smallest angle between an incident direction and the surface \[degree\]; 90 if there is none.
+    pub fn lowest_incident_deg(&self) -> f64 {
+        self.scans
+            .iter()
+            .map(|scan| scan.incident[2].abs().clamp(0.0, 1.0).asin().to_degrees())
+            .fold(90.0, f64::min)
     }
 
     /// Turns the sample by half a turn about +Y: front and back change places, and so do left and right; up stays up.
@@ -118,6 +138,21 @@ impl Measurement {
 }
 
 impl Scan {
+    /// Keeps the points whose exitant direction is wanted; how many are gone.
+    pub(crate) fn retain(&mut self, n_channels: usize, is_wanted: impl Fn(&Direction) -> bool) -> usize {
+        let kept: Vec<usize> = (0..self.exitant.len()).filter(|&k| is_wanted(&self.exitant[k])).collect();
+        let n_gone = self.exitant.len() - kept.len();
+        if n_gone > 0 {
+            let n = n_channels;
+            let of_kept = |values: &[f64]| -> Vec<f64> {
+                kept.iter().flat_map(|&k| values.get(n * k..n * (k + 1)).unwrap_or(&[])).copied().collect()
+            };
+            (self.values, self.errors) = (of_kept(&self.values), of_kept(&self.errors));
+            self.exitant = kept.iter().map(|&k| self.exitant[k]).collect();
+        }
+        n_gone
+    }
+
     fn verify(&self, n_channels: usize) -> Result<(), String> {
         let is_unit = |d: &Direction| (d.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 1e-9;
         if !is_unit(&self.incident) {

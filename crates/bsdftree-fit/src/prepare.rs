@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::gridded::{Gridded, distinct};
 use crate::in_plane;
 use crate::lambert::{self, Ray};
-use crate::measurement::{Measurement, Symmetry};
+use crate::measurement::{Measurement, Scan, Symmetry};
 
 /// Directions closer than this are one \[rad\].
 const SAME: f32 = 2e-3;
@@ -43,16 +43,22 @@ pub(crate) fn points_of(measurement: &Measurement, part: Part) -> Vec<Points> {
         if here.is_empty() {
             continue;
         }
-        let exitant = here.iter().map(|&k| lambert::upper(scan.exitant[k])).collect();
-        let channel = |c: usize| here.iter().map(|&k| scan.values[k * n + c].max(0.0) as f32).collect();
-        let mut values: Vec<Vec<f32>> = (0..n).map(channel).collect();
+        let mut points = points_on_side(n, scan, group, part, &here);
         if noisy {
             let error = |&k: &usize| scan.errors.get(k * n + n / 2).map_or(0.0, |&e| e as f32);
-            values.push(here.iter().map(error).collect());
+            points.values.push(here.iter().map(error).collect());
         }
-        all.push(Points { part, incident: lambert::upper(scan.incident), group, exitant, values, noisy });
+        all.push(Points { noisy, ..points });
     }
     all
+}
+
+/// Some points of a scan, all on one side, with `n` channels and without errors.
+pub(crate) fn points_on_side(n: usize, scan: &Scan, group: usize, part: Part, here: &[usize]) -> Points {
+    let exitant = here.iter().map(|&k| lambert::upper(scan.exitant[k])).collect();
+    let channel = |c: usize| here.iter().map(|&k| scan.values[k * n + c].max(0.0) as f32).collect();
+    let values = (0..n).map(channel).collect();
+    Points { part, incident: lambert::upper(scan.incident), group, exitant, values, noisy: false }
 }
 
 /// Copies that a symmetry makes. Scans whose incident direction is its own image get points instead; at [`Symmetry::Isotropic`] all are
@@ -70,12 +76,14 @@ pub(crate) fn symmetric(scans: Vec<Points>, symmetry: Symmetry) -> Vec<Points> {
     merged(mirrors(symmetry).iter().fold(scans, copied))
 }
 
-/// The mirrors of a symmetry; of an isotropic sample, that of the half-plane in which its scans are.
+/// The mirrors of a symmetry, or its half turn; of an isotropic sample, that of the half-plane in which its scans are.
 pub(crate) fn mirrors(symmetry: Symmetry) -> &'static [fn(Ray) -> Ray] {
     const X: fn(Ray) -> Ray = |[x, y, z]| [-x, y, z];
     const Y: fn(Ray) -> Ray = |[x, y, z]| [x, -y, z];
+    const HALF_TURN: fn(Ray) -> Ray = |[x, y, z]| [-x, -y, z];
     match symmetry {
         Symmetry::Anisotropic => &[],
+        Symmetry::HalfTurn => &[HALF_TURN],
         Symmetry::BilateralX | Symmetry::Isotropic => &[Y],
         Symmetry::BilateralY => &[X],
         Symmetry::Quadrilateral => &[Y, X],

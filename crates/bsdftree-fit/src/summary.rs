@@ -8,7 +8,9 @@ use bsdftree::{Direction, Part};
 use rayon::prelude::*;
 
 use crate::coverage::{Coverage, spacing_deg};
+use crate::images;
 use crate::measurement::{Measurement, Scan, Symmetry};
+use crate::prepare;
 use crate::write::degrees;
 
 /// Totals are told where no direction is farther than this from a point \[degree\].
@@ -41,6 +43,10 @@ pub struct Row {
     pub n_negative: usize,
     /// Median of standard error over value, if errors are known.
     pub relative_error: Option<f64>,
+    /// How far values are from those mirrored at the plane of the light and the normal: relative L1 difference over the points off the plane
+    /// whose images were measured too; `None` of vertical light and of points on one side. The light that such points scatter, not their
+    /// number, counts.
+    pub asymmetry: Option<f64>,
     /// Estimate of the part of the light that is scattered there, if no hole is larger than [`LARGEST_HOLE_DEG`].
     pub total: Option<f64>,
 }
@@ -88,6 +94,7 @@ fn row(measurement: &Measurement, k: usize, scan: &Scan, part: Part, points: &[u
         value_range: range(points.iter().map(value)),
         n_negative: points.iter().filter(|o| value(o) < 0.0).count(),
         relative_error: relative_error(scan, points, n, channel),
+        asymmetry: images::asymmetry(prepare::points_on_side(n, scan, k, part, points)),
         total: (coverage.hole_deg <= LARGEST_HOLE_DEG).then_some(coverage.total),
     }
 }

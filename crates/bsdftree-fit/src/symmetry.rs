@@ -9,8 +9,9 @@ use crate::blend::{Layers, Recipe};
 use crate::choose;
 use crate::frame::Frame;
 use crate::gridded::Gridded;
+use crate::images::{from_image, from_image_in, from_own_image};
 use crate::incidence::Blend;
-use crate::lambert::{self, Ray};
+use crate::lambert::Ray;
 use crate::measurement::Symmetry;
 use crate::prepare::{self, Points};
 use crate::residual::relative_l1;
@@ -111,7 +112,7 @@ fn is_spread(scans: &[Points]) -> bool {
     widest < 0.95 * std::f64::consts::PI
 }
 
-/// The symmetry that makes incident directions cover all azimuths.
+/// The symmetry that makes incident directions cover all azimuths: nothing tests it but scans that have an image among the others.
 fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
     let (mut x, mut y) = ([false; 2], [false; 2]);
     let mut line = true;
@@ -132,47 +133,57 @@ fn assumed(parts: &[Vec<Points>], alone: &[Vec<Gridded>]) -> SymmetryFound {
         let difference = difference.map_or(String::new(), |difference| {
             format!(", and scans differ from their mirror images by {:.1} %", 100.0 * difference)
         });
-        (Symmetry::Isotropic, format!("assumed: incident directions lie on one azimuth{difference}"))
+        (
+            Symmetry::Isotropic,
+            format!("assumed, not tested: incident directions lie on one azimuth{difference}"),
+        )
     } else if line {
         let why = "incident directions lie on one azimuth, but the scan at normal incidence changes with turns: \
                    nothing is known of other azimuths";
         (Symmetry::Anisotropic, why.to_owned())
     } else {
         let (mut symmetry, where_) = match (x == [true; 2], y == [true; 2]) {
-            (false, false) => (Symmetry::Quadrilateral, "assumed: incident directions lie in one quadrant"),
-            (true, false) => {
-                (Symmetry::BilateralX, "assumed: incident directions lie on one side of the plane y = 0")
-            }
-            (false, true) => {
-                (Symmetry::BilateralY, "assumed: incident directions lie on one side of the plane x = 0")
-            }
+            (false, false) => (Symmetry::Quadrilateral, "incident directions lie in one quadrant"),
+            (true, false) => (Symmetry::BilateralX, "incident directions lie on one side of the plane y = 0"),
+            (false, true) => (Symmetry::BilateralY, "incident directions lie on one side of the plane x = 0"),
             (true, true) => (Symmetry::Anisotropic, "too few incident directions to find any"),
         };
-        let mut why = where_.to_owned();
-        if is_contradicted(alone, symmetry) {
-            why = format!(
-                "{where_}, but scans are not the images of each other that {} asks for",
-                symmetry.name()
-            );
-            why = why.replace("assumed: ", "");
+        let differences = from_images(alone, symmetry);
+        let why = if symmetry == Symmetry::Anisotropic {
+            where_.to_owned()
+        } else if differences.iter().any(|(difference, limit)| difference > limit) {
+            let name = symmetry.name();
             symmetry = Symmetry::Anisotropic;
-        }
+            format!("{where_}, but scans are not the images of each other that {name} asks for")
+        } else {
+            let largest = differences.iter().map(|(difference, _)| *difference).reduce(f64::max);
+            let told = largest.map_or("no scan has an image to be compared with".to_owned(), |largest| {
+                format!("scans differ from such images as there are by {:.1} %", 100.0 * largest)
+            });
+            format!("assumed, not tested: {where_}, and {told}")
+        };
         (symmetry, why)
     };
     SymmetryFound { symmetry, why, errors: Vec::new() }
 }
 
-/// Whether scans whose incident directions are mirror images of each other differ plainly from what a symmetry asks for. Turns are not looked at.
+/// Whether scans whose incident directions are images of each other differ plainly from what a symmetry asks for.
 fn is_contradicted(alone: &[Vec<Gridded>], symmetry: Symmetry) -> bool {
+    from_images(alone, symmetry).iter().any(|(difference, limit)| difference > limit)
+}
+
+/// For each part and image of a symmetry, if scans have such images: by how much the median one differs, and how much is plain. The turns
+/// of an isotropic sample are not looked at.
+fn from_images(alone: &[Vec<Gridded>], symmetry: Symmetry) -> Vec<(f64, f64)> {
     /// Farthest that an incident direction may be from the image of another to be compared.
     const NEAR: f32 = 0.02;
     if symmetry == Symmetry::Isotropic {
-        return false;
+        return Vec::new();
     }
-    alone.iter().any(|scans| {
+    let each = alone.iter().flat_map(|scans| {
         let limits = scans.iter().map(|scan| SAME_IMAGE.0 * relative_l1(&scan.held_out()));
         let limit = median(limits.collect()).unwrap_or(0.0) + CONTRADICTION;
-        prepare::mirrors(symmetry).iter().any(|image| {
+        prepare::mirrors(symmetry).iter().filter_map(move |image| {
             let partner = |scan: &Gridded| {
                 let there = image(scan.incident);
                 let apart =
@@ -180,27 +191,15 @@ fn is_contradicted(alone: &[Vec<Gridded>], symmetry: Symmetry) -> bool {
                 let nearest = scans.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
                 if apart(nearest) < NEAR { from_image_in(scan, nearest, image) } else { None }
             };
-            median(scans.iter().filter_map(partner).collect()).is_some_and(|difference| difference > limit)
+            median(scans.iter().filter_map(partner).collect()).map(|difference| (difference, limit))
         })
-    })
+    });
+    each.collect()
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
-}
-
-/// How far a scan is from its image in its plane of incidence, if it was measured on both sides.
-fn from_own_image(scan: &Gridded) -> Option<f64> {
-    let [x, y, _] = scan.incident;
-    let r2 = x * x + y * y;
-    if r2 < 1e-6 {
-        return None;
-    }
-    from_image(scan, move |[u, v, w]: Ray| {
-        let along = 2.0 * (u * x + v * y) / r2;
-        [along * x - u, along * y - v, w]
-    })
 }
 
 /// Whether a scan at normal incidence does not change with turns.
@@ -214,26 +213,4 @@ fn looks_the_same_turned(scan: &Gridded) -> bool {
         from_image(scan, move |[u, v, w]: Ray| [c * u - s * v, s * u + c * v, w])
             .is_none_or(|difference| difference <= limit)
     })
-}
-
-/// Relative L1 difference from an image, where that was measured too; `None` if it hardly was.
-fn from_image(scan: &Gridded, image: impl Fn(Ray) -> Ray) -> Option<f64> {
-    from_image_in(scan, scan, image)
-}
-
-/// The same of the image of one scan from another.
-fn from_image_in(scan: &Gridded, other: &Gridded, image: impl Fn(Ray) -> Ray) -> Option<f64> {
-    const LEAST: usize = 20;
-    let channel = scan.main();
-    let (mut difference, mut sum, mut n) = (0.0, 0.0, 0);
-    for (k, &o) in scan.exitant.iter().enumerate() {
-        let there = lambert::point(image(o));
-        if other.covered.at(there) > 0.99 {
-            let (value, weight) = (scan.values[channel][k], scan.weights[k]);
-            difference += f64::from((value - other.rasters[channel].at(there)).abs() * weight);
-            sum += f64::from(value * weight);
-            n += 1;
-        }
-    }
-    (n >= LEAST && sum > 0.0).then(|| difference / sum)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bsdftree::Direction;
 use bsdftree::direction::{Side, normalized};
-use bsdftree_fit::read::{self, Format, Options, ReadError};
+use bsdftree_fit::read::{self, Format, Grazing, Options, ReadError};
 use bsdftree_fit::summary::Row;
 use bsdftree_fit::{Scan, Symmetry, write};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
@@ -36,16 +36,22 @@ type ScanOut<'py> = (
 #[pymethods]
 impl Measurement {
     #[staticmethod]
-    #[pyo3(signature = (paths, *, format, columns, side))]
+    #[pyo3(signature = (paths, *, format, columns, side, grazing))]
     fn read(
         py: Python<'_>,
         paths: Vec<PathBuf>,
         format: Option<&str>,
         columns: Option<String>,
         side: &str,
+        grazing: Option<f64>,
     ) -> PyResult<Measurement> {
         let format = format.map(format_of).transpose()?;
-        let options = Options { format, columns, side: side_of(side)? };
+        // An angle, or infinity, which stands for the lowest incident direction.
+        let grazing = grazing.map(|angle| match angle == f64::INFINITY {
+            true => Grazing::LowestIncident,
+            false => Grazing::Below(angle),
+        });
+        let options = Options { format, columns, side: side_of(side)?, grazing };
         let read = py.detach(|| read::read_files(&paths, &options)).map_err(read_error)?;
         Ok(Measurement(Arc::new(read)))
     }
@@ -140,6 +146,7 @@ fn summary_row<'py>(py: Python<'py>, row: &Row) -> PyResult<Bound<'py, PyDict>> 
     dict.set_item("value_range", (row.value_range[0], row.value_range[1]))?;
     dict.set_item("n_negative", row.n_negative)?;
     dict.set_item("relative_error", row.relative_error)?;
+    dict.set_item("asymmetry", row.asymmetry)?;
     dict.set_item("total", row.total)?;
     Ok(dict)
 }

@@ -122,4 +122,24 @@ side_option = click.option(
     show_default=True,
     help="Side of the device that was the sample's front; front is the room.",
 )
+
+
+def _grazing(ctx: click.Context, param: click.Parameter, value: str | None) -> float | str | None:
+    if value is None or value == "auto":
+        return value
+    try:
+        angle = float(value)
+    except ValueError:
+        angle = -1.0
+    if not 0 <= angle < 90:
+        raise click.BadParameter(f"{value!r}; expected 0 to less than 90 [degree], or auto")
+    return angle
+
+
+grazing_option = click.option(
+    "--grazing",
+    callback=_grazing,
+    metavar="DEGREES|auto",
+    help="Leave out points nearer to the surface than this; auto: than the lowest incident direction.",
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs instead of tables.")

@@ -19,6 +19,7 @@ from bsdftree.cli._common import (
     PERCENT,
     columns_option,
     format_option,
+    grazing_option,
     json_option,
     print_json,
     side_option,
@@ -39,8 +40,8 @@ _MOST = 0.5
 @click.option(
     "--symmetry",
     type=click.Choice(get_args(Symmetry)),
-    help="Of the sample; bilateral_x is a mirror at the plane y = 0, bilateral_y at x = 0. [default: what the files "
-    "state, or the scans show]",
+    help="Of the sample; bilateral_x is a mirror at the plane y = 0, bilateral_y at x = 0, half_turn half a turn "
+    'without a mirror (pabopto2bsdf\'s "up"). [default: what the files state, or the scans show]',
 )
 @click.option(
     "--frame",
@@ -71,6 +72,7 @@ _MOST = 0.5
 @columns_option
 @format_option
 @side_option
+@grazing_option
 @click.option("--name", help="Name of the product in the file. [default: the sample's]")
 @click.option("--manufacturer", help="Its maker.")
 @json_option
@@ -89,6 +91,7 @@ def fit(
     columns: str | None,
     format_: str | None,
     side: Literal["front", "back"],
+    grazing: float | Literal["auto"] | None,
     name: str | None,
     manufacturer: str | None,
     as_json: bool,
@@ -109,7 +112,7 @@ def fit(
         raise click.UsageError("--errors are those of a tree; leave out --klems")
     if plot:
         _check_picture(plot)
-    measurement = Measurement.load(files, columns=columns, side=side, format=format_)
+    measurement = Measurement.load(files, columns=columns, side=side, format=format_, grazing=grazing)
     with spinner("trying how scans are best predicted from each other"):
         fitted = bsdftree.fit(measurement, symmetry=symmetry, frame=frame)  # type: ignore[arg-type]
     with cells_bar() as bar:

@@ -12,6 +12,7 @@ from bsdftree import Measurement
 from bsdftree.cli._common import (
     columns_option,
     format_option,
+    grazing_option,
     json_option,
     print_json,
     printable,
@@ -31,6 +32,7 @@ _MOST_ROWS = 60
 @columns_option
 @format_option
 @side_option
+@grazing_option
 @click.option("--plot", type=click.Path(), metavar="FILE", help="Draw the coverage as PNG, SVG or PDF.")
 @click.option(
     "-o", "--output", type=click.Path(file_okay=False), metavar="DIR", help="Write files that pabopto2bsdf takes."
@@ -42,6 +44,7 @@ def measured(
     columns: str | None,
     format_: str | None,
     side: Literal["front", "back"],
+    grazing: float | Literal["auto"] | None,
     plot: str | None,
     output: str | None,
     as_json: bool,
@@ -54,7 +57,7 @@ def measured(
       bsdftree measured coating.bsdf --plot coating.png
       bsdftree measured scan.csv --columns theta_i=1,theta_o=2,phi_o=3,value=4 -o scan
     """
-    measurement = Measurement.load(files, columns=columns, side=side, format=format_)
+    measurement = Measurement.load(files, columns=columns, side=side, format=format_, grazing=grazing)
     if as_json:
         print_json(summarize(measurement))
     else:
@@ -91,7 +94,7 @@ def show(measurement: Measurement) -> None:
     for note in measurement.notes:
         _wide.print(printable(f"note: {note}"), style="dim", highlight=False, markup=False)
     angles = (">θ in", ">φ in", ">points", ">θ out", ">azimuths", ">spacing", ">hole")
-    rows = table("part", *angles, ">values [1/sr]", ">below 0", ">error", ">total")
+    rows = table("part", *angles, ">values [1/sr]", ">below 0", ">error", ">asymmetry", ">total")
     summary = measurement.summary()
     for row in summary[:_MOST_ROWS]:
         rows.add_row(
@@ -106,6 +109,7 @@ def show(measurement: Measurement) -> None:
             "{:.3g}..{:.3g}".format(*row.value_range),
             f"{row.n_negative:,}",
             "–" if row.relative_error is None else f"{100 * row.relative_error:.1f} %",
+            "–" if row.asymmetry is None else f"{100 * row.asymmetry:.0f} %",
             "–" if row.total is None else f"{100 * row.total:.1f} %",
         )
     _wide.print(rows)

@@ -114,11 +114,22 @@ pub struct Options {
     pub columns: Option<String>,
     /// The side of the device that was the sample's front when it was measured.
     pub side: Side,
+    /// What is left out near the horizon.
+    pub grazing: Option<Grazing>,
+}
+
+/// Which points near the horizon are left out, as pabopto2bsdf's `-g` does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Grazing {
+    /// Those nearer to the surface than this \[degree\].
+    Below(f64),
+    /// Those nearer to the surface than the lowest incident direction.
+    LowestIncident,
 }
 
 impl Default for Options {
     fn default() -> Options {
-        Options { format: None, columns: None, side: Side::Front }
+        Options { format: None, columns: None, side: Side::Front, grazing: None }
     }
 }
 
@@ -174,7 +185,7 @@ pub fn read_files(paths: &[PathBuf], options: &Options) -> Result<Measurement, R
         Format::Rgl => each(&inputs, rgl::read)?,
         Format::Table => each(&inputs, |bytes| table::read(bytes, options.columns.as_deref()))?,
     };
-    finished(measurement, options.side).map_err(|error| match paths {
+    finished(measurement, options).map_err(|error| match paths {
         [path] => error.in_file(path),
         _ => error,
     })
@@ -236,7 +247,7 @@ fn append(all: &mut Measurement, one: Measurement) -> Result<(), ReadError> {
 }
 
 /// What is done whatever the format.
-fn finished(mut measurement: Measurement, side: Side) -> Result<Measurement, ReadError> {
+fn finished(mut measurement: Measurement, options: &Options) -> Result<Measurement, ReadError> {
     let n_left_out = leave_out_horizon(&mut measurement)?;
     if n_left_out > 0 {
         measurement
@@ -244,6 +255,9 @@ fn finished(mut measurement: Measurement, side: Side) -> Result<Measurement, Rea
             .push(format!("{n_left_out} points on the horizon are left out: no light leaves there"));
     }
     join_scans(&mut measurement);
+    if let Some(grazing) = options.grazing {
+        leave_out_grazing(&mut measurement, grazing)?;
+    }
     if let Some(empty) = measurement.scans.iter().find(|scan| scan.exitant.is_empty()) {
         return Err(ReadError::file(
             format!("no values in {}", empty.source),
@@ -253,12 +267,32 @@ fn finished(mut measurement: Measurement, side: Side) -> Result<Measurement, Rea
     if measurement.scans.is_empty() {
         return Err(ReadError::file("no values", "values at exitant directions"));
     }
-    if side == Side::Back {
+    if options.side == Side::Back {
         measurement.turn_front_to_back();
     }
     let doubts = plausible::doubts(&measurement);
     measurement.notes.extend(doubts);
     Ok(measurement)
+}
+
+/// An angle that is too large leaves nothing of a scan, which is an error of its own.
+fn leave_out_grazing(measurement: &mut Measurement, grazing: Grazing) -> Result<(), ReadError> {
+    let (angle_deg, why) = match grazing {
+        Grazing::Below(angle) if (0.0..90.0).contains(&angle) => (angle, ""),
+        Grazing::Below(angle) => {
+            let found = format!("a grazing angle of {angle}°");
+            return Err(ReadError::file(found, "0 to less than 90°, from the surface"));
+        }
+        Grazing::LowestIncident => (measurement.lowest_incident_deg(), " (the lowest incident direction)"),
+    };
+    let n = measurement.leave_out_grazing(angle_deg);
+    let told_deg = (1e4 * angle_deg).round() / 1e4;
+    if let Some(empty) = measurement.scans.iter().find(|scan| scan.exitant.is_empty()) {
+        let found = format!("no values farther than {told_deg}° from the surface in {}", empty.source);
+        return Err(ReadError::file(found, "a smaller grazing angle"));
+    }
+    measurement.notes.push(format!("{n} points nearer to the surface than {told_deg}°{why} are left out"));
+    Ok(())
 }
 
 fn leave_out_horizon(measurement: &mut Measurement) -> Result<usize, ReadError> {
@@ -269,17 +303,7 @@ fn leave_out_horizon(measurement: &mut Measurement) -> Result<usize, ReadError> 
             let found = format!("light that comes along the surface in {}", scan.source);
             return Err(ReadError::file(found, "an incident polar angle other than 90°"));
         }
-        if scan.exitant.iter().all(|o| o[2].abs() >= HORIZON) {
-            continue;
-        }
-        let kept: Vec<usize> =
-            (0..scan.exitant.len()).filter(|&k| scan.exitant[k][2].abs() >= HORIZON).collect();
-        n_left_out += scan.exitant.len() - kept.len();
-        let of_kept = |values: &[f64]| -> Vec<f64> {
-            kept.iter().flat_map(|&k| values.get(n * k..n * (k + 1)).unwrap_or(&[])).copied().collect()
-        };
-        (scan.values, scan.errors) = (of_kept(&scan.values), of_kept(&scan.errors));
-        scan.exitant = kept.iter().map(|&k| scan.exitant[k]).collect();
+        n_left_out += scan.retain(n, |exitant| exitant[2].abs() >= HORIZON);
     }
     Ok(n_left_out)
 }

@@ -2,7 +2,8 @@
 //!
 //! In: a measurement. Out: notes. A scattered fraction over 1 means another scale (percent?); values that fall as the cosine does towards
 //! the horizon mean that a cosine is in them (DSF); light that mostly goes back to the side that it came from means that azimuths of the
-//! light are where it goes. Each is said only if most of the scans that can tell agree.
+//! light are where it goes. Each is said only if most of the scans that can tell agree. Of light in one plane, which samples that are
+//! isotropic are measured with, sides of that plane that differ are a note too: a fit would average them.
 
 use bsdftree::Direction;
 use bsdftree::direction::Side;
@@ -13,6 +14,9 @@ use crate::summary::summary;
 
 /// Scattered fraction that noise and coarse points may reach.
 const LARGEST_TOTAL: f64 = 1.15;
+
+/// Relative difference of mirror images that noise, and lobes that are narrow for their points, may reach.
+const LARGEST_ASYMMETRY: f64 = 0.25;
 
 /// Most scans that are looked at, evenly spread.
 const MOST_SCANS: usize = 200;
@@ -30,10 +34,22 @@ pub(super) fn doubts(measurement: &Measurement) -> Vec<String> {
     // Y of X, Y, Z.
     let channel = if n == 3 { 1 } else { 0 };
     let mut notes = Vec::new();
-    let largest = summary(measurement).iter().filter_map(|row| row.total).fold(0.0, f64::max);
+    let rows = summary(measurement);
+    let largest = rows.iter().filter_map(|row| row.total).fold(0.0, f64::max);
     if largest > LARGEST_TOTAL {
         notes.push(format!(
             "up to {largest:.3} of the light would be scattered, more than there is: values may be percent, or of another scale"
+        ));
+    }
+    let asymmetries = rows.iter().filter_map(|row| Some((row.asymmetry?, row.incident_deg[0])));
+    let most = asymmetries.max_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((asymmetry, theta_deg)) = most.filter(|(asymmetry, _)| *asymmetry > LARGEST_ASYMMETRY)
+        && is_in_one_plane(&measurement.scans)
+    {
+        notes.push(format!(
+            "the two sides of the plane of incidence differ by up to {:.0} % (light from {theta_deg:.1}°): the sample is not isotropic, or not \
+             level; a fit as isotropic averages them",
+            100.0 * asymmetry
         ));
     }
     let scans: Vec<Vec<(Direction, f64)>> = measurement
@@ -59,6 +75,17 @@ pub(super) fn doubts(measurement: &Measurement) -> Vec<String> {
         );
     }
     notes
+}
+
+/// Whether all light comes from one plane through the normal.
+fn is_in_one_plane(scans: &[Scan]) -> bool {
+    let length = |i: Direction| i[0].hypot(i[1]);
+    let slanted: Vec<Direction> =
+        scans.iter().map(|scan| scan.incident).filter(|&i| length(i) > 0.02).collect();
+    slanted.iter().all(|i| {
+        let [a, b] = [slanted[0], *i];
+        (a[0] * b[1] - a[1] * b[0]).abs() < 0.02 * length(a) * length(b)
+    })
 }
 
 fn is_mostly(answers: &[bool]) -> bool {
@@ -146,6 +173,7 @@ mod tests {
             ((|i, o| 50.0 * lobe(i, o)) as fn(Direction, Direction) -> f64, "percent"),
             (|i, o| o[2] * lobe(i, o), "cosine"),
             (|i, o| lobe([-i[0], -i[1], i[2]], o), "goes back"),
+            (|i, o| lobe(i, o) * if i[0] * o[1] > i[1] * o[0] { 1.5 } else { 1.0 }, "not isotropic"),
         ] {
             let notes = doubts(&measurement(f));
             assert!(notes.len() == 1 && notes[0].contains(said), "{notes:?} for {said}");
