@@ -232,6 +232,17 @@ def test_what_progress_raises_stops_the_fit(glossy):
 
     with pytest.raises(Enough):
         glossy.trees(rank=4, log2_res=6, progress=stop)
+    with pytest.raises(Enough):
+        bsdftree.fit(glossy.measurement, progress=stop)
+
+
+def test_a_fit_tells_how_far_it_is():
+    told = []
+    fitted = bsdftree.fit(Measurement(ring_scans(gloss)), progress=lambda *counts: told.append(counts))
+    done, totals = zip(*told, strict=True)
+    assert sorted(done) == list(done) and len(set(done)) > 2
+    # Five frames with each symmetry, sixteen recipes, and what is done with the best.
+    assert set(totals) - {0} == {5 * len(fitted.symmetry_errors) + 16 + 1} and done[-1] <= totals[-1]
 
 
 SCRIPT = """
@@ -257,16 +268,18 @@ def test_any_number_of_threads_gives_the_same_bits():
 INTERRUPTED = """
 import os, signal, sys
 from bsdftree.cli import _progress, main
-_progress.WorkBar.update = lambda *_: os.kill(os.getpid(), signal.SIGINT)
-main(sys.argv[1:])
+doing = sys.argv[1]
+_progress.WorkBar.update = lambda bar, *_: doing in bar._doing and os.kill(os.getpid(), signal.SIGINT)
+main(sys.argv[2:])
 """
 
 
 @pytest.mark.skipif(os.name != "posix", reason="SIGINT to a process is of POSIX")
-def test_ctrl_c_leaves_no_file(tmp_path):
+@pytest.mark.parametrize("doing", ["trying", "trees"])
+def test_ctrl_c_leaves_no_file(tmp_path, doing):
     paths = Measurement(line_scans(gloss)).save(tmp_path / "scans")
     words = ["fit", *map(str, paths), "-o", str(tmp_path / "out.xml"), "--rank", "4", "--log2-res", "6"]
-    process = subprocess.run([sys.executable, "-c", INTERRUPTED, *words], capture_output=True, text=True)
+    process = subprocess.run([sys.executable, "-c", INTERRUPTED, doing, *words], capture_output=True, text=True)
     assert process.returncode == 1 and "Traceback" not in process.stderr and "Aborted" in process.stderr
     assert [p.name for p in tmp_path.iterdir()] == ["scans"]
 

@@ -179,7 +179,11 @@ class Fit:
 
 
 def fit(
-    measurement: Measurement | Path_ | Iterable[Path_], *, symmetry: Symmetry | None = None, frame: Frame | None = None
+    measurement: Measurement | Path_ | Iterable[Path_],
+    *,
+    symmetry: Symmetry | None = None,
+    frame: Frame | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Fit:
     """Fit a measurement: interpolate scattered values between exitant and incident directions.
 
@@ -194,6 +198,8 @@ def fit(
         Of the sample; what the file states or the scans show if not given.
     frame
         How lobes move with the incident direction; what predicts best if not given.
+    progress
+        Called with (done, total) now and then: cross-validations, of a symmetry or a recipe for one part.
 
     Raises
     ------
@@ -213,7 +219,7 @@ def fit(
     """
     if not isinstance(measurement, Measurement):
         measurement = Measurement.load(measurement)
-    return Fit(_core.fit(measurement._core, symmetry=symmetry, frame=frame), measurement)
+    return Fit(_core.fit(measurement._core, symmetry=symmetry, frame=frame, progress=progress), measurement)
 
 
 def _pairs(incident: ArrayLike, exitant: ArrayLike) -> tuple[tuple[Array, Array], tuple[int, ...]]:

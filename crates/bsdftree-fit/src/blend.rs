@@ -13,6 +13,7 @@ use crate::gridded::Gridded;
 use crate::incidence::{Blend, Weights};
 use crate::lambert::{self, Ray};
 use crate::lobes::{self, Followed, Tracks};
+use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 use crate::residual::Blended;
 
@@ -63,7 +64,13 @@ pub(crate) struct Layers {
 }
 
 impl Logs {
-    fn new(scans: &[Gridded], channel: usize, line: bool, recipe: Recipe) -> Logs {
+    fn new(
+        scans: &[Gridded],
+        channel: usize,
+        line: bool,
+        recipe: Recipe,
+        progress: &Progress,
+    ) -> Result<Logs, Stopped> {
         let mean =
             scans.iter().map(|s| s.totals[channel] / std::f64::consts::PI).sum::<f64>() / scans.len() as f64;
         let epsilon = (EPSILON * mean).max(1e-12) as f32;
@@ -78,10 +85,11 @@ impl Logs {
                 (rest + epsilon).ln()
             })
         };
+        progress.go_on()?;
         let logs = scans.par_iter().map(log).collect();
         let tracks = if recipe.frame == Frame::Lobes {
             let levels: Vec<f32> = scans.iter().map(level).collect();
-            Tracks::new(scans, channel, line, scans[0].part, &levels)
+            Tracks::new(scans, channel, line, scans[0].part, &levels, progress)?
         } else {
             None
         };
@@ -99,20 +107,33 @@ impl Logs {
         let incidents = scans.iter().map(|s| s.incident).collect();
         let groups = scans.iter().map(|s| s.group).collect();
         let totals = scans.iter().map(|s| s.totals[channel]).collect();
-        Logs { incidents, groups, line, tracks, totals, logs, bases, epsilon }
+        Ok(Logs { incidents, groups, line, tracks, totals, logs, bases, epsilon })
     }
 }
 
 impl Layers {
-    pub fn new(scans: &[Gridded], channel: usize, line: bool, recipe: Recipe) -> Layers {
-        Layers { recipe, logs: Arc::new(Logs::new(scans, channel, line, recipe)) }
+    pub fn new(
+        scans: &[Gridded],
+        channel: usize,
+        line: bool,
+        recipe: Recipe,
+        progress: &Progress,
+    ) -> Result<Layers, Stopped> {
+        let logs = Logs::new(scans, channel, line, recipe, progress)?;
+        Ok(Layers { recipe, logs: Arc::new(logs) })
     }
 
     /// The same scans for another recipe; the logarithms are shared if they are the same.
-    pub fn for_recipe(&self, scans: &[Gridded], channel: usize, recipe: Recipe) -> Layers {
+    pub fn for_recipe(
+        &self,
+        scans: &[Gridded],
+        channel: usize,
+        recipe: Recipe,
+        progress: &Progress,
+    ) -> Result<Layers, Stopped> {
         match recipe.logs() == self.recipe.logs() {
-            true => Layers { recipe, logs: Arc::clone(&self.logs) },
-            false => Layers::new(scans, channel, self.logs.line, recipe),
+            true => Ok(Layers { recipe, logs: Arc::clone(&self.logs) }),
+            false => Layers::new(scans, channel, self.logs.line, recipe, progress),
         }
     }
 

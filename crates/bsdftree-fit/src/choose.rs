@@ -11,6 +11,7 @@ use crate::frame::Frame;
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Incidence, Line, Plane, lambert_radius};
 use crate::lambert;
+use crate::progress::{Progress, Stopped};
 use crate::residual::{Residual, absolute_l1, measured};
 
 /// Points of a scan that are compared.
@@ -100,23 +101,30 @@ pub(crate) struct Missed {
 }
 
 /// Leaves scans out and predicts them.
-pub(crate) fn missed(scans: &[Gridded], layers: &Layers, line: bool, left_out: &[usize]) -> Missed {
+pub(crate) fn missed(
+    scans: &[Gridded],
+    layers: &Layers,
+    line: bool,
+    left_out: &[usize],
+    progress: &Progress,
+) -> Result<Missed, Stopped> {
     /// Scans with less of the mean flux are dark.
     const DARK: f64 = 0.2;
     let one = |&k: &usize| {
+        progress.go_on()?;
         let residuals = residuals(scans, layers, line, k);
-        (absolute_l1(&residuals), measured(&residuals))
+        Ok((absolute_l1(&residuals), measured(&residuals)))
     };
-    let sums: Vec<(f64, f64)> = left_out.par_iter().map(one).collect();
+    let sums = left_out.par_iter().map(one).collect::<Result<Vec<(f64, f64)>, _>>()?;
     let flux = sums.iter().map(|s| s.1).sum::<f64>();
     let n = sums.len() as f64;
     let dark = DARK * flux / n;
     let bright = sums.iter().filter(|s| s.1 >= dark);
-    Missed {
+    Ok(Missed {
         together: sums.iter().map(|&(error, flux)| error.min(flux)).sum::<f64>() / flux,
         worst: bright.map(|&(error, flux)| error / flux).fold(f64::NAN, f64::max),
         mean: sums.iter().map(|&(error, flux)| (error / flux.max(dark)).min(1.0)).sum::<f64>() / n,
-    }
+    })
 }
 
 /// The recipes that are tried.
@@ -139,23 +147,32 @@ pub(crate) fn recipes() -> Vec<Recipe> {
     all
 }
 
-/// Scores of all recipes, best first. Without scans to leave out scores are NaN and the order is that of [`recipes`].
-pub(crate) fn scores(scans: &[Gridded], line: bool, tried: &[Recipe]) -> Vec<Score> {
+/// Scores of all recipes, best first; a step each. Without scans to leave out scores are NaN and the order is that of [`recipes`].
+pub(crate) fn scores(
+    scans: &[Gridded],
+    line: bool,
+    tried: &[Recipe],
+    progress: &Progress,
+) -> Result<Vec<Score>, Stopped> {
     let left_out = left_out(scans, line);
     let channel = scans[0].main();
     // Recipes that share logarithms come one after the other.
     let mut ordered = tried.to_vec();
     ordered.sort_by_key(|recipe| recipe.logs());
-    let mut layers = Layers::new(scans, channel, line, ordered[0]);
+    let mut layers = Layers::new(scans, channel, line, ordered[0], progress)?;
     let mut score = |recipe: Recipe| {
-        layers = layers.for_recipe(scans, channel, recipe);
-        if !layers.exists() {
-            return None;
-        }
-        let missed = missed(scans, &layers, line, &left_out);
-        Some(Score { recipe, l1: missed.together, worst: missed.worst })
+        layers = layers.for_recipe(scans, channel, recipe, progress)?;
+        let score = match layers.exists() {
+            true => {
+                let missed = missed(scans, &layers, line, &left_out, progress)?;
+                Some(Score { recipe, l1: missed.together, worst: missed.worst })
+            }
+            false => None,
+        };
+        progress.count(1).map(|()| score)
     };
-    let mut scores: Vec<Score> = ordered.into_iter().filter_map(&mut score).collect();
+    let scores = ordered.into_iter().filter_map(|recipe| score(recipe).transpose());
+    let mut scores = scores.collect::<Result<Vec<Score>, _>>()?;
     scores.sort_by(|a, b| a.l1.total_cmp(&b.l1));
-    scores
+    Ok(scores)
 }

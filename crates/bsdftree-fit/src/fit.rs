@@ -1,6 +1,6 @@
 //! A measurement fitted: every part, and trees of all of them.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
 use bsdftree::convert::from_channels;
 use bsdftree::direction::Direction;
@@ -16,6 +16,7 @@ use crate::in_plane;
 use crate::measurement::{Measurement, Symmetry};
 use crate::model::Model;
 use crate::prepare::{self, Points};
+use crate::progress::{Progress, Stopped};
 use crate::symmetry::{self, SymmetryFound};
 
 /// What is not left to the data.
@@ -84,26 +85,8 @@ pub enum FitError {
     #[error(transparent)]
     Reduce(#[from] ReduceError),
     /// Stopped from outside.
-    #[error("stopped")]
-    Stopped,
-}
-
-/// How far it is, and whether it shall go on; shared between threads.
-#[derive(Debug, Default)]
-pub struct Progress {
-    /// Incident cells done.
-    pub done: AtomicUsize,
-    /// Incident cells to do; 0 before that is known.
-    pub total: AtomicUsize,
-    /// Set to stop soon.
-    pub stop: AtomicBool,
-}
-
-impl Progress {
-    pub(crate) fn one_done(&self) -> bool {
-        self.done.fetch_add(1, Ordering::Relaxed);
-        !self.stop.load(Ordering::Relaxed)
-    }
+    #[error(transparent)]
+    Stopped(#[from] Stopped),
 }
 
 /// Trees of a fit.
@@ -128,28 +111,32 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Fits every part of a measurement.
+    /// Fits every part of a measurement. Steps are cross-validations: of one symmetry or recipe, for one part.
     ///
     /// # Errors
-    /// If there is nothing to fit.
-    pub fn new(measurement: &Measurement, options: &Options) -> Result<Fit, FitError> {
+    /// If there is nothing to fit, or `progress` says stop.
+    pub fn new(measurement: &Measurement, options: &Options, progress: &Progress) -> Result<Fit, FitError> {
         let parts = measurement.parts();
         if parts.is_empty() {
             return Err(FitError::Empty);
         }
         let points: Vec<Vec<Points>> =
             parts.iter().map(|&part| points(measurement, part)).collect::<Result<_, _>>()?;
+        let mut tried: Vec<Recipe> = choose::recipes();
+        tried.retain(|recipe| options.frame.is_none_or(|frame| recipe.frame == frame));
+        let to_find = options.symmetry.or(measurement.symmetry).is_none();
+        let steps = Model::n_steps(&tried) + if to_find { symmetry::N_STEPS } else { 0 };
+        progress.total.store(parts.len() * steps, Ordering::Relaxed);
         let given = |symmetry, why: &str| SymmetryFound { symmetry, why: why.to_owned(), errors: Vec::new() };
         let symmetry = match (options.symmetry, measurement.symmetry) {
             (Some(symmetry), _) => given(symmetry, "given"),
             (None, Some(symmetry)) => given(symmetry, "as the file states"),
-            (None, None) => symmetry::found(&points),
+            (None, None) => symmetry::found(&points, progress)?,
         };
         let notes = notes(measurement, &points, symmetry.symmetry)?;
-        let mut tried: Vec<Recipe> = choose::recipes();
-        tried.retain(|recipe| options.frame.is_none_or(|frame| recipe.frame == frame));
         let models = parts.into_iter().zip(points).map(|(part, points)| {
-            let model = Model::new(points, part, symmetry.symmetry, &tried, measurement.n_channels);
+            let model =
+                Model::new(points, part, symmetry.symmetry, &tried, measurement.n_channels, progress)?;
             model.ok_or(FitError::NoLobes(part.key()))
         });
         let models = models.collect::<Result<_, _>>()?;

@@ -6,10 +6,12 @@
 use crate::gridded::Gridded;
 use crate::lambert::{self, Ray};
 use crate::prepare::{self, Points};
+use crate::progress::Progress;
 
 /// How far points are from their images in the plane of incidence, if there are such: [`from_own_image`].
 pub(crate) fn asymmetry(scan: Points) -> Option<f64> {
-    prepare::gridded(vec![scan]).first().and_then(from_own_image)
+    let alone = prepare::gridded(vec![scan], &Progress::default()).expect("nothing stops it");
+    alone.first().and_then(from_own_image)
 }
 
 /// How far a scan is from its image in its plane of incidence, if it was measured on both sides.

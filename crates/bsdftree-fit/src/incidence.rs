@@ -126,26 +126,28 @@ pub(crate) struct Plane {
     nodes: Vec<[f64; 2]>,
     scans: Vec<usize>,
     hull: Vec<[f64; 2]>,
-    /// Inverse of the system of the thin-plate spline, if directions do not lie on one line.
+    /// Inverse of the system of the thin-plate spline; only of splines, if directions do not lie on one line.
     inverse: Option<Vec<f64>>,
+    /// Only of linear blends, if directions do not lie on one line.
     triangles: Vec<[usize; 3]>,
-    blend: Blend,
 }
 
 impl Plane {
     /// From points of the disk and the scans they are of.
     pub fn new(nodes: &[[f64; 2]], scans: &[usize], blend: Blend) -> Plane {
-        let inverse = thin_plate(nodes);
-        let triangles = if inverse.is_some() { triangles(nodes) } else { Vec::new() };
-        Plane { nodes: nodes.to_vec(), scans: scans.to_vec(), hull: hull(nodes), inverse, triangles, blend }
+        let (inverse, triangles) = match blend {
+            _ if !is_spread(nodes) => (None, Vec::new()),
+            Blend::Spline => (thin_plate(nodes), Vec::new()),
+            Blend::Linear => (None, triangles(nodes)),
+        };
+        Plane { nodes: nodes.to_vec(), scans: scans.to_vec(), hull: hull(nodes), inverse, triangles }
     }
 
     fn weights(&self, point: [f64; 2]) -> (Weights, f64) {
         let (inside, outside) = nearest_in_hull(&self.hull, point);
-        let weights = match (&self.inverse, self.blend) {
-            (None, _) => self.by_distance(inside),
-            (Some(_), Blend::Linear) => self.in_triangle(inside).unwrap_or_else(|| self.by_distance(inside)),
-            (Some(inverse), Blend::Spline) => {
+        let weights = match &self.inverse {
+            None => self.in_triangle(inside).unwrap_or_else(|| self.by_distance(inside)),
+            Some(inverse) => {
                 let n = self.nodes.len();
                 let m = n + 3;
                 let mut row: Vec<f64> = self.nodes.iter().map(|&node| kernel(node, inside)).collect();
@@ -205,15 +207,15 @@ fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
+/// Whether there are more than three, and they do not lie on one line.
+fn is_spread(nodes: &[[f64; 2]]) -> bool {
+    let mut areas = nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| cross(nodes[0], a, b).abs()));
+    nodes.len() >= 4 && areas.any(|area| area >= 1e-3)
+}
+
+/// Inverse of the system of the thin-plate spline, if it has one.
 fn thin_plate(nodes: &[[f64; 2]]) -> Option<Vec<f64>> {
     let n = nodes.len();
-    if n < 4 {
-        return None;
-    }
-    let spread = nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| cross(nodes[0], a, b).abs()));
-    if spread.fold(0.0, f64::max) < 1e-3 {
-        return None;
-    }
     let m = n + 3;
     let mut matrix = vec![0.0; m * m];
     for (i, &a) in nodes.iter().enumerate() {
@@ -247,16 +249,17 @@ fn inverted(mut a: Vec<f64>, m: usize) -> Option<Vec<f64>> {
         for matrix in [&mut a, &mut inverse] {
             matrix[column * m..(column + 1) * m].iter_mut().for_each(|x| *x *= scale);
         }
+        // Columns before this one are those of the unit matrix already.
+        let row = a[column * m + column..(column + 1) * m].to_vec();
+        let inverse_row = inverse[column * m..(column + 1) * m].to_vec();
         for i in (0..m).filter(|&i| i != column) {
             let factor = a[i * m + column];
-            if factor == 0.0 {
-                continue;
-            }
-            for matrix in [&mut a, &mut inverse] {
-                for j in 0..m {
-                    let x = matrix[column * m + j];
-                    matrix[i * m + j] -= factor * x;
-                }
+            let subtract = |to: &mut [f64], row: &[f64]| {
+                to.iter_mut().zip(row).for_each(|(to, x)| *to -= factor * x);
+            };
+            if factor != 0.0 {
+                subtract(&mut a[i * m + column..(i + 1) * m], &row);
+                subtract(&mut inverse[i * m..(i + 1) * m], &inverse_row);
             }
         }
     }

@@ -4,6 +4,7 @@
 //! [`Measurement`], and fitted to it a [`Model`] of each part.
 
 pub mod measurement;
+mod progress;
 mod coverage;
 mod lambert;
 mod raster;
@@ -30,9 +31,10 @@ mod fit;
 
 pub use blend::Recipe;
 pub use choose::Score;
-pub use fit::{Fit, FitError, Made, Options, Progress};
+pub use fit::{Fit, FitError, Made, Options};
 pub use frame::Frame;
 pub use incidence::Blend;
 pub use measurement::{Measurement, Scan, Symmetry};
 pub use model::Model;
+pub use progress::{Progress, Stopped};
 pub use symmetry::SymmetryFound;

@@ -8,10 +8,12 @@
 use bsdftree::Part;
 use bsdftree::direction::{Direction, Side, normalized};
 use bsdftree::peaks::{Map, map_of};
+use rayon::prelude::*;
 
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Incidence, Line, Plane, Weights, lambert_radius};
 use crate::lambert::{self, Ray};
+use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 
 /// Two maxima are two lobes if the saddle lies below both by this factor.
@@ -77,15 +79,22 @@ fn mirror_point(incident: Ray) -> [f64; 2] {
 
 impl Tracks {
     /// Finds them; `None` if no scan has more than one lobe, since then nothing is gained by following them.
-    pub fn new(scans: &[Gridded], channel: usize, line: bool, part: Part, levels: &[f32]) -> Option<Tracks> {
+    pub fn new(
+        scans: &[Gridded],
+        channel: usize,
+        line: bool,
+        part: Part,
+        levels: &[f32],
+        progress: &Progress,
+    ) -> Result<Option<Tracks>, Stopped> {
         let mean = scans.iter().map(|scan| scan.totals[channel]).sum::<f64>() / scans.len() as f64;
-        let found: Vec<(Vec<u8>, Vec<Lobe>)> = scans
-            .iter()
-            .zip(levels)
-            .map(|(scan, &level)| lobes_of(scan, channel, level, FAINT * mean))
-            .collect();
+        let found = scans.par_iter().zip(levels).map(|(scan, &level)| {
+            progress.go_on()?;
+            Ok(lobes_of(scan, channel, level, FAINT * mean))
+        });
+        let found = found.collect::<Result<Vec<(Vec<u8>, Vec<Lobe>)>, _>>()?;
         if found.iter().all(|(_, lobes)| lobes.len() < 2) {
-            return None;
+            return Ok(None);
         }
         let (mut labels, lobes): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let numbers = linked(scans, &lobes);
@@ -118,7 +127,7 @@ impl Tracks {
             let map = map_of_members(part, &own, &members);
             Track { members, incidence: incidence.expect("a track has members"), map }
         };
-        Some(Tracks { tracks: order.iter().map(track).collect(), labels, part })
+        Ok(Some(Tracks { tracks: order.iter().map(track).collect(), labels, part }))
     }
 
     /// All tracks that have power at an incident direction; `weights` are those of all scans.

@@ -11,6 +11,7 @@ use crate::incidence::Incidence;
 use crate::lambert::{self, Ray};
 use crate::measurement::Symmetry;
 use crate::prepare::{self, Points};
+use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 use crate::scales::Scales;
 use crate::uncertainty::Uncertainty;
@@ -44,19 +45,26 @@ impl Model {
         symmetry: Symmetry,
         tried: &[Recipe],
         n_channels: usize,
-    ) -> Option<Model> {
-        let scans = prepare::gridded(prepare::symmetric(points, symmetry));
+        progress: &Progress,
+    ) -> Result<Option<Model>, Stopped> {
+        let scans = prepare::gridded(prepare::symmetric(points, symmetry), progress)?;
         let line = symmetry == Symmetry::Isotropic;
-        let scores = choose::scores(&scans, line, tried);
-        let recipe = scores.first()?.recipe;
+        let scores = choose::scores(&scans, line, tried, progress)?;
+        let Some(&Score { recipe, .. }) = scores.first() else { return Ok(None) };
         let incidence = choose::incidence(&scans, line, recipe.blend, None);
-        let layers = (0..n_channels).map(|c| Layers::new(&scans, c, line, recipe)).collect();
-        let layers: Vec<Layers> = layers;
-        let uncertainty = Uncertainty::new(&scans, &layers[scans[0].main()], line);
+        let layers = (0..n_channels).map(|c| Layers::new(&scans, c, line, recipe, progress));
+        let layers = layers.collect::<Result<Vec<Layers>, _>>()?;
+        let uncertainty = Uncertainty::new(&scans, &layers[scans[0].main()], line, progress)?;
         let mut model =
             Model { part, symmetry, scores, scans, incidence, layers, scales: Vec::new(), uncertainty };
-        model.scales = (0..n_channels).map(|c| model.new_scales(c)).collect();
-        Some(model)
+        model.scales = (0..n_channels).map(|c| model.new_scales(c, progress)).collect::<Result<_, _>>()?;
+        progress.count(1)?;
+        Ok(Some(model))
+    }
+
+    /// How many steps one takes: each recipe, and what is done with the best.
+    pub(crate) fn n_steps(tried: &[Recipe]) -> usize {
+        tried.len() + 1
     }
 
     /// The recipe in use.
@@ -86,20 +94,21 @@ impl Model {
         self.layers[channel].slice(incident, &weights, None)
     }
 
-    fn new_scales(&self, channel: usize) -> Scales {
+    fn new_scales(&self, channel: usize, progress: &Progress) -> Result<Scales, Stopped> {
         let directions: Vec<(Ray, f32)> =
             Raster::directions(N_SUMMED).filter(|d| d[2] > 0.0).map(|d| (d, d[2])).collect();
         let pixel = lambert::SOLID_ANGLE as f32 * (2.0 * crate::raster::EXTENT / N_SUMMED as f32).powi(2);
         let sample = |incident: Ray| {
+            progress.go_on()?;
             let (weights, outside) = self.incidence.weights(incident);
             let slice = self.layers[channel].slice(incident, &weights, None);
             let sum: f32 = directions.iter().map(|&(d, cosine)| slice.value(d) * cosine).sum();
             let sum = f64::from(sum * pixel);
             let factor = if sum > 0.0 { (slice.total / sum) as f32 } else { 1.0 };
-            (factor, slice.apart, outside == 0.0)
+            Ok((factor, slice.apart, outside == 0.0))
         };
-        let samples = Scales::nodes(self.is_line()).into_par_iter().map(sample).collect();
-        Scales::new(self.is_line(), samples)
+        let samples = Scales::nodes(self.is_line()).into_par_iter().map(sample).collect::<Result<_, _>>()?;
+        Ok(Scales::new(self.is_line(), samples))
     }
 
     /// A slice, what it is to be scaled by, and how far outside the measured incident directions it is.

@@ -8,6 +8,7 @@ use crate::gridded::{Gridded, distinct};
 use crate::in_plane;
 use crate::lambert::{self, Ray};
 use crate::measurement::{Measurement, Scan, Symmetry};
+use crate::progress::{Progress, Stopped};
 
 /// Directions closer than this are one \[rad\].
 const SAME: f32 = 2e-3;
@@ -138,14 +139,14 @@ fn distance(a: Ray, b: Ray) -> f32 {
 }
 
 /// Lays all scans over disks of one resolution.
-pub(crate) fn gridded(scans: Vec<Points>) -> Vec<Gridded> {
+pub(crate) fn gridded(scans: Vec<Points>, progress: &Progress) -> Result<Vec<Gridded>, Stopped> {
     let made_distinct = |scan: Points| {
         let (exitant, values) = distinct(&scan.exitant, &scan.values, SAME / 2.0);
-        Points { exitant, values, ..scan }
+        progress.go_on().map(|()| Points { exitant, values, ..scan })
     };
-    let scans: Vec<Points> = scans.into_par_iter().map(made_distinct).collect();
+    let scans = scans.into_par_iter().map(made_distinct).collect::<Result<Vec<Points>, _>>()?;
     let n = resolution(&scans);
-    scans.into_par_iter().map(|s| Gridded::new(s, n)).collect()
+    scans.into_par_iter().map(|scan| progress.go_on().map(|()| Gridded::new(scan, n))).collect()
 }
 
 /// Pixels so that the closest quarter of all points lie two pixels apart or less.

@@ -14,6 +14,7 @@ use crate::incidence::Blend;
 use crate::lambert::Ray;
 use crate::measurement::Symmetry;
 use crate::prepare::{self, Points};
+use crate::progress::{Progress, Stopped};
 use crate::residual::relative_l1;
 
 /// A higher symmetry is taken if errors rise by no more than this factor, or this much.
@@ -31,6 +32,12 @@ const WELL: f64 = 0.2;
 /// Fewest scans that cross-validation needs.
 const N_NEEDED: usize = 4;
 
+/// Frames that are tried with each symmetry, whatever comes out.
+const MOVED: [Frame; 4] = [Frame::Fixed, Frame::Shift, Frame::Rotation, Frame::Half];
+
+/// Steps that finding it takes for each part: these frames and lobes, with each symmetry.
+pub(crate) const N_STEPS: usize = Symmetry::ALL.len() * (MOVED.len() + 1);
+
 /// The symmetry of a sample, and why.
 #[derive(Clone, Debug)]
 pub struct SymmetryFound {
@@ -43,27 +50,31 @@ pub struct SymmetryFound {
 }
 
 /// Finds it out from the scans of each part.
-pub(crate) fn found(parts: &[Vec<Points>]) -> SymmetryFound {
-    let alone: Vec<Vec<Gridded>> =
-        parts.iter().map(|scans| prepare::gridded(prepare::merged(scans.clone()))).collect();
+pub(crate) fn found(parts: &[Vec<Points>], progress: &Progress) -> Result<SymmetryFound, Stopped> {
+    let alone = parts.iter().map(|scans| prepare::gridded(prepare::merged(scans.clone()), progress));
+    let alone: Vec<Vec<Gridded>> = alone.collect::<Result<_, _>>()?;
+    let assumed = || {
+        progress.count(parts.len() * N_STEPS)?;
+        Ok(assumed(parts, &alone))
+    };
     if parts.iter().any(|scans| !is_spread(scans)) {
-        return assumed(parts, &alone);
+        return assumed();
     }
     let judged: Vec<Vec<usize>> = alone
         .iter()
         .map(|scans| choose::left_out(scans, false).into_iter().map(|k| scans[k].group).collect())
         .collect();
     if judged.iter().any(|groups: &Vec<usize>| groups.len() < N_NEEDED) {
-        return assumed(parts, &alone);
+        return assumed();
     }
     let error = |symmetry: Symmetry| {
         let each = parts.iter().zip(&judged).map(|(scans, groups)| {
-            let scans = prepare::gridded(prepare::symmetric(scans.clone(), symmetry));
-            error_of(&scans, symmetry == Symmetry::Isotropic, groups)
+            let scans = prepare::gridded(prepare::symmetric(scans.clone(), symmetry), progress)?;
+            error_of(&scans, symmetry == Symmetry::Isotropic, groups, progress)
         });
-        each.sum::<f64>() / parts.len() as f64
+        Ok((symmetry, each.sum::<Result<f64, _>>()? / parts.len() as f64))
     };
-    let errors: Vec<(Symmetry, f64)> = Symmetry::ALL.into_iter().map(|s| (s, error(s))).collect();
+    let errors = Symmetry::ALL.into_iter().map(error).collect::<Result<Vec<(Symmetry, f64)>, _>>()?;
     let limit = errors[0].1 * TOLERATED.0 + TOLERATED.1;
     let turns = alone.iter().flatten().all(looks_the_same_turned);
     let holds = |&&(symmetry, error): &&(Symmetry, f64)| {
@@ -76,26 +87,32 @@ pub(crate) fn found(parts: &[Vec<Points>]) -> SymmetryFound {
         100.0 * error,
         100.0 * errors[0].1
     );
-    SymmetryFound { symmetry, why, errors }
+    Ok(SymmetryFound { symmetry, why, errors })
 }
 
 /// The least error of a few recipes on the scans of some groups.
-fn error_of(scans: &[Gridded], line: bool, groups: &[usize]) -> f64 {
+fn error_of(scans: &[Gridded], line: bool, groups: &[usize], progress: &Progress) -> Result<f64, Stopped> {
     let judged: Vec<usize> =
         choose::one_of_each_group(scans).filter(|&k| groups.contains(&scans[k].group)).collect();
     let recipe = |frame| Recipe { frame, blend: Blend::Spline, split: false, reciprocal: false };
-    let mut layers = Layers::new(scans, scans[0].main(), line, recipe(Frame::Fixed));
+    let mut layers = Layers::new(scans, scans[0].main(), line, recipe(Frame::Fixed), progress)?;
     let mut error = |frame: Frame| {
         let split = frame == Frame::Lobes;
-        layers = layers.for_recipe(scans, scans[0].main(), Recipe { split, ..recipe(frame) });
-        if !layers.exists() {
-            return f64::MAX;
-        }
-        choose::missed(scans, &layers, line, &judged).mean
+        layers = layers.for_recipe(scans, scans[0].main(), Recipe { split, ..recipe(frame) }, progress)?;
+        let error = match layers.exists() {
+            true => choose::missed(scans, &layers, line, &judged, progress)?.mean,
+            false => f64::MAX,
+        };
+        progress.count(1).map(|()| error)
     };
-    let moved = [Frame::Fixed, Frame::Shift, Frame::Rotation, Frame::Half];
-    let least = moved.into_iter().map(&mut error).fold(f64::MAX, f64::min);
-    if least < WELL { least } else { least.min(error(Frame::Lobes)) }
+    let mut least = f64::MAX;
+    for frame in MOVED {
+        least = least.min(error(frame)?);
+    }
+    if least >= WELL {
+        return Ok(least.min(error(Frame::Lobes)?));
+    }
+    progress.count(1).map(|()| least)
 }
 
 /// Whether incident directions reach over more than a half-plane: else nothing is known of the other half.

@@ -9,9 +9,10 @@ use rayon::prelude::*;
 
 use crate::blend::Slice;
 use crate::cells::{self, Cells};
-use crate::fit::{FitError, Progress};
+use crate::fit::FitError;
 use crate::lambert::Ray;
 use crate::model::{Model, turned};
+use crate::progress::Progress;
 
 impl Model {
     /// The finest tree of one channel. `others` are models of the light that leaves on the other side.
@@ -27,9 +28,8 @@ impl Model {
         let rows = grid.par_chunks_mut(cells.n_exitant()).take(cells.n_incident()).enumerate();
         rows.try_for_each(|(cell, row)| {
             self.fill(channel, cells, cell, others, &exitant, row);
-            progress.one_done().then_some(())
-        })
-        .ok_or(FitError::Stopped)?;
+            progress.count(1)
+        })?;
         Ok(Tree::from_grid(cells.rank, &grid)?)
     }
 

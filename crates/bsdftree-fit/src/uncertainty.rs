@@ -6,9 +6,12 @@
 //! * **Noise**: errors that came with the measurement, blended with the squares of the weights.
 //! * **Outside** what was measured nothing is known: the error rises with the distance to it.
 
+use rayon::prelude::*;
+
 use crate::blend::Layers;
 use crate::choose;
 use crate::gridded::Gridded;
+use crate::progress::{Progress, Stopped};
 use crate::residual::{Blended, Residual};
 
 /// Relative error for each unit of distance on the disk outside the measured incident directions: 0.1 is 8° near the normal.
@@ -94,7 +97,12 @@ pub(crate) struct Uncertainty {
 }
 
 impl Uncertainty {
-    pub fn new(scans: &[Gridded], layers: &Layers, line: bool) -> Uncertainty {
+    pub fn new(
+        scans: &[Gridded],
+        layers: &Layers,
+        line: bool,
+        progress: &Progress,
+    ) -> Result<Uncertainty, Stopped> {
         let channel = scans[0].main();
         let mean =
             scans.iter().map(|s| s.totals[channel]).sum::<f64>() / scans.len() as f64 / std::f64::consts::PI;
@@ -104,22 +112,26 @@ impl Uncertainty {
             let error = f64::from((r.predicted.value - r.measured).abs()) / value.max(floor);
             (error, value.max(floor) * f64::from(r.weight))
         };
-        let between: Vec<(f64, f64, f64)> = choose::left_out(scans, line)
-            .into_iter()
-            .flat_map(|k| choose::residuals(scans, layers, line, k))
-            .map(|r| {
-                let (error, flux) = relative(&r);
-                (f64::from(r.predicted.spread), error, flux)
-            })
-            .collect();
-        let step = scans.len().div_ceil(24);
-        let within = scans.iter().step_by(step).flat_map(Gridded::held_out).map(|r| {
-            let (error, flux) = relative(&r);
-            (f64::from(r.predicted.value), error, flux)
+        let sample = |by: f32, r: &Residual| {
+            let (error, flux) = relative(r);
+            (f64::from(by), error, flux)
+        };
+        let left_out = choose::left_out(scans, line).into_par_iter().map(|k| {
+            progress.go_on()?;
+            Ok(choose::residuals(scans, layers, line, k))
         });
+        let between = left_out.collect::<Result<Vec<_>, _>>()?;
+        let between: Vec<_> = between.iter().flatten().map(|r| sample(r.predicted.spread, r)).collect();
+        let step = scans.len().div_ceil(24);
+        let held_out = scans.par_iter().step_by(step).map(|scan| {
+            progress.go_on()?;
+            Ok(scan.held_out())
+        });
+        let within = held_out.collect::<Result<Vec<_>, _>>()?;
+        let within = within.iter().flatten().map(|r| sample(r.predicted.value, r));
         let within = Table::new(within.collect());
         let between = (!between.is_empty()).then(|| Table::new(between));
-        Uncertainty { between, within, floor }
+        Ok(Uncertainty { between, within, floor })
     }
 
     /// Of a blended value, `apart` from scans ([`crate::blend::Slice::apart`]), `outside` the measured incident directions, `covered` by measured exitant directions or not, with noise of its own.

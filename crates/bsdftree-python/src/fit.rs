@@ -32,19 +32,20 @@ fn score_out(score: &Score) -> ScoreOut {
 
 /// Fits a measurement.
 #[pyfunction]
-#[pyo3(signature = (measurement, *, symmetry, frame))]
+#[pyo3(signature = (measurement, *, symmetry, frame, progress))]
 pub fn fit(
     py: Python<'_>,
     measurement: &Measurement,
     symmetry: Option<&str>,
     frame: Option<&str>,
+    progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Fit> {
     let options = Options {
         symmetry: symmetry.map(symmetry_of).transpose()?,
         frame: frame.map(|name| one_of("frame", name, &Frame::ALL, Frame::name)).transpose()?,
     };
     let measurement = Arc::clone(&measurement.0);
-    let fitted = watched(py, &Progress::default(), None, |_| Fitted::new(&measurement, &options))?;
+    let fitted = watched(py, &Progress::default(), progress, |p| Fitted::new(&measurement, &options, p))?;
     Ok(Fit(Arc::new(fitted.map_err(value_error)?)))
 }
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -65,16 +64,12 @@ def paths_bar() -> WorkBar:
     return WorkBar("tracing", "reducing", lambda rate: f"{rate / 1e6:.2f} M paths/s")
 
 
+def fits_bar() -> WorkBar:
+    """Of fits, counted by cross-validation."""
+    doing = "trying how scans are best predicted from each other"
+    return WorkBar(doing, "fitting totals", lambda rate: f"{rate:.1f} tries/s")
+
+
 def cells_bar() -> WorkBar:
     """Of trees from fits, counted by incident cell."""
     return WorkBar("trees", "errors", lambda rate: f"{rate:,.0f} incident cells/s", patience=2.0)
-
-
-@contextmanager
-def spinner(doing: str) -> Iterator[None]:
-    """What is done while it cannot be said how far it is."""
-    if not stderr.is_terminal:
-        yield
-        return
-    with stderr.status(doing):
-        yield

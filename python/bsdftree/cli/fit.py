@@ -28,7 +28,7 @@ from bsdftree.cli._common import (
     with_input_errors,
 )
 from bsdftree.cli._fit_tables import show
-from bsdftree.cli._progress import cells_bar, spinner
+from bsdftree.cli._progress import cells_bar, fits_bar
 
 # More incident directions than this share outside of those measured are worth a warning.
 _MOST = 0.5
@@ -113,8 +113,8 @@ def fit(
     if plot:
         _check_picture(plot)
     measurement = Measurement.load(files, columns=columns, side=side, format=format_, grazing=grazing)
-    with spinner("trying how scans are best predicted from each other"):
-        fitted = bsdftree.fit(measurement, symmetry=symmetry, frame=frame)  # type: ignore[arg-type]
+    with fits_bar() as bar:
+        fitted = bsdftree.fit(measurement, symmetry=symmetry, frame=frame, progress=bar.update)  # type: ignore[arg-type]
     with cells_bar() as bar:
         trees = fitted.trees(
             rank=int(rank) if rank else None,
