@@ -5,6 +5,7 @@ All materials by default, as trees, ours and the incumbent's. In development of 
     python -m benches.fit --quick --material ggx sharp     # model values point by point, no trees, seconds
     python -m benches.fit --ours --material ggx            # our trees alone
     python -m benches.fit --incumbent                      # fill the cache with the incumbent's trees
+    python -m benches.fit --klems                          # Klems matrices, theirs by bsdf2klems
     python -m benches.fit --list
 
 What takes long (the incumbent's trees, traced films, true means) is kept in $BSDFTREE_BENCH_CACHE.
@@ -44,7 +45,7 @@ def case(material: truths.Material, arguments: argparse.Namespace) -> report.Cas
     """Measure a material and judge whoever is asked for."""
     log2_res = arguments.log2_res or (6 if material.rank == 3 else 5)
     scans = gonio.measure(material)
-    court = judge.court(material, log2_res)
+    court = judge.court(material, log2_res, klems=arguments.klems)
     if arguments.quick:
         return report.Case(court, judge.point_by_point(court, _said(_model(scans, arguments))), None)
     ours = incumbent = None
@@ -53,7 +54,10 @@ def case(material: truths.Material, arguments: argparse.Namespace) -> report.Cas
     if not arguments.ours:
         folder = truths.cache_folder()
         files = gonio.write(scans, folder / "scans" / material.name, material.name)
-        incumbent = judge.in_cells(court, contender.radiance(files, log2_res, folder))
+        theirs = (
+            contender.radiance_klems(files, folder) if arguments.klems else contender.radiance(files, log2_res, folder)
+        )
+        incumbent = judge.in_cells(court, theirs)
     return report.Case(court, ours, incumbent)
 
 
@@ -64,7 +68,10 @@ def _model(scans: list[gonio.Scan], arguments: argparse.Namespace) -> contender.
 def _tree(
     scans: list[gonio.Scan], material: truths.Material, log2_res: int, arguments: argparse.Namespace
 ) -> contender.Contender:
-    return contender.nearest(scans) if arguments.nearest else contender.tree(scans, material.rank, log2_res)
+    if arguments.nearest:
+        return contender.nearest(scans)
+    made = contender.klems if arguments.klems else contender.tree
+    return made(scans, material.rank, log2_res)
 
 
 def _said(judged: contender.Contender) -> contender.Contender:
@@ -82,6 +89,9 @@ def _arguments() -> argparse.Namespace:
     who.add_argument("--ours", action="store_true", help="our trees alone")
     who.add_argument("--incumbent", action="store_true", help="the incumbent's trees alone")
     parser.add_argument("--nearest", action="store_true", help="nearest readings instead of our fit")
+    parser.add_argument(
+        "--klems", action="store_true", help="full Klems matrices, ours of the tree, theirs of bsdf2klems"
+    )
     parser.add_argument("--log2-res", type=int, help="of trees; 5 for rank 4, 6 for rank 3 by default")
     parser.add_argument("-v", "--verbose", action="store_true", help="the worst directions of each material")
     parser.add_argument("--picture", type=Path, help="where to draw truth and contenders side by side")

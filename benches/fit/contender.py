@@ -35,6 +35,7 @@ class Contender:
     log2_res: int | None = None
     seconds: float = 0.0
     note: str = ""
+    bsdf: bsdftree.Bsdf | None = None
 
 
 def measurement(scans: list[Scan]) -> Any:
@@ -56,7 +57,7 @@ def model(scans: list[Scan], **options: Any) -> tuple[Contender, Any]:
 def of_tree(
     name: str, bsdf: bsdftree.Bsdf, log2_res: int, seconds: float, error: Function | None = None, note: str = ""
 ) -> Contender:
-    return Contender(name, bsdf.eval, error, log2_res, seconds, note)
+    return Contender(name, bsdf.eval, error, log2_res, seconds, note, bsdf)
 
 
 def tree(scans: list[Scan], rank: int, log2_res: int, tolerance: float = TOLERANCE, **options: Any) -> Contender:
@@ -66,6 +67,21 @@ def tree(scans: list[Scan], rank: int, log2_res: int, tolerance: float = TOLERAN
     made = fitted.trees(rank, log2_res, tolerance=tolerance)
     seconds = pointwise.seconds + time.process_time() - start
     return of_tree("ours", made.bsdf, log2_res, seconds, made.errors.eval, pointwise.note)
+
+
+def klems(scans: list[Scan], rank: int, log2_res: int, **options: Any) -> Contender:
+    """Our fit as a full Klems matrix, of the tree, as `bsdftree fit --klems full` writes it."""
+    made = tree(scans, rank, log2_res, **options)
+    start = time.process_time()
+    assert made.bsdf is not None
+    matrix = made.bsdf.to_klems("full")
+    return of_tree("ours", matrix, 0, made.seconds + time.process_time() - start, note=made.note)
+
+
+def radiance_klems(files: list[Path], cache: Path) -> Contender:
+    """The incumbent's full Klems matrix."""
+    outcome = incumbent.klems(files, cache)
+    return of_tree("incumbent", outcome.bsdf(), 0, outcome.interpolant.cpu + outcome.resampling.cpu)
 
 
 def radiance(files: list[Path], log2_res: int, cache: Path) -> Contender:

@@ -1,12 +1,12 @@
 //! Tables of ASTM E1392 (E2387), as Cornell's measurements and the programs that read them have them.
 //!
-//! In: lines `KEY value`, of which `VARS` is the last and names the columns: four angles, `theta_i,phi_i,theta_r,phi_r` in any order and
-//! spelling that says so (else in this order), then the channels; after it rows of numbers, separated by commas or white space. Out: a
+//! In: lines `KEY value`, of which `VARS` is the last and names the columns: angles `theta_i,phi_i,theta_r,phi_r` in any order and with any
+//! ending that says so (`theta_s`), of which isotropic files may lack an azimuth, and the channels; after it rows of numbers, separated by commas or white space. Out: a
 //! scan for each incident direction. Channels are one value, `R,G,B` (as X, Y, Z with equal-energy white), `X,Y,Z`, or wavelengths
 //! (`550nm`), of which X, Y, Z are made. Angles are in radians, unless one is larger than 2π or `ANGLE_UNITS degrees` says otherwise.
 //! `NUM_POINTS` must be right if it is there; `SAMPLE`, `MANUFACTURER` and `WAVELENGTH` \[nm, or μm if below 100\] are taken over.
 //!
-//! The standard itself is withdrawn and not free: this is what libbsdf's reader and Cornell's files agree on. Both directions are taken to
+//! The standard itself is withdrawn and not free: this is what libbsdf's and ALTA's readers and Cornell's files agree on. Both directions are taken to
 //! point away from the sample; [`super::plausible`] looks whether peaks lie where that says.
 
 use std::collections::HashMap;
@@ -70,8 +70,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Measurement, ReadError> {
             (key, rest) => header.take(line, &key, rest)?,
         }
     };
-    let names: Vec<&str> = text::words(names).collect();
-    let (angles, columns, channels) = layout(line, &names)?;
+    let names = columns_of(names);
+    let Layout { angles, columns, channels } = layout(line, &names)?;
     let mut rows: Vec<(usize, Vec<f64>)> = Vec::new();
     for (line, text) in body {
         let row = text::numbers(line, text, "a row of numbers")?;
@@ -88,13 +88,14 @@ pub(super) fn read(bytes: &[u8]) -> Result<Measurement, ReadError> {
             "the number of rows",
         ));
     }
-    let largest = rows.iter().flat_map(|(_, row)| angles.map(|k| row[k].abs())).fold(0.0, f64::max);
+    let largest =
+        rows.iter().flat_map(|(_, row)| angles.map(|k| k.map_or(0.0, |k| row[k].abs()))).fold(0.0, f64::max);
     let is_degrees = header.is_degrees.unwrap_or(largest > TAU + 1e-3);
     let unit = if is_degrees { 1.0 } else { 1f64.to_degrees() };
     let mut scans: Vec<Scan> = Vec::new();
     let mut by_incident: HashMap<[u64; 3], usize> = HashMap::new();
     for (line, row) in &rows {
-        let [theta_i, phi_i, theta_r, phi_r] = angles.map(|k| row[k] * unit);
+        let [theta_i, phi_i, theta_r, phi_r] = angles.map(|k| k.map_or(0.0, |k| row[k] * unit));
         let incident = direction(*line, theta_i, phi_i)?;
         let k = *by_incident.entry(incident.map(f64::to_bits)).or_insert_with(|| {
             scans.push(Scan { incident, ..Scan::default() });
@@ -104,13 +105,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<Measurement, ReadError> {
         let values: Vec<f64> = columns.iter().map(|&column| row[column]).collect();
         scans[k].values.extend(channels.values(&values));
     }
+    let mut notes = vec![format!("angles are taken as {}", if is_degrees { "degrees" } else { "radians" })];
+    for (angle, whose) in [(angles[1], "the light"), (angles[3], "the exitant directions")] {
+        if angle.is_none() {
+            notes.push(format!("there is no azimuth of {whose}: it is taken as 0"));
+        }
+    }
     Ok(Measurement {
         n_channels: if matches!(channels, Channels::One) { 1 } else { 3 },
         scans,
         name: header.name,
         manufacturer: header.manufacturer,
         wavelength_nm: header.wavelength_nm,
-        notes: vec![format!("angles are taken as {}", if is_degrees { "degrees" } else { "radians" })],
+        notes,
         ..Measurement::default()
     })
 }
@@ -146,14 +153,32 @@ impl Header {
     }
 }
 
-/// Columns of the four angles, of the channels, and what these are.
-fn layout(line: usize, names: &[&str]) -> Result<([usize; 4], Vec<usize>, Channels), ReadError> {
-    let expected =
-        "four angles theta_i,phi_i,theta_r,phi_r and one channel, R,G,B, X,Y,Z or wavelengths such as 550nm";
-    let wrong = || ReadError::line(line, format!("VARS {}", names.join(",")), expected);
-    if names.len() < 5 {
-        return Err(wrong());
+/// Names of columns. Between commas they may have spaces and, in brackets, commas, as `Integrated [300,700]`.
+fn columns_of(names: &str) -> Vec<&str> {
+    if !names.contains([',', ';']) {
+        return text::words(names).collect();
     }
+    let mut depth = 0;
+    let is_end = |c: char| {
+        depth += i32::from(matches!(c, '[' | '(')) - i32::from(matches!(c, ']' | ')'));
+        depth <= 0 && matches!(c, ',' | ';')
+    };
+    names.split(is_end).map(str::trim).filter(|name| !name.is_empty()).collect()
+}
+
+/// Where what is.
+struct Layout {
+    /// Columns of θ and φ of the light and of the exitant directions. Isotropic files may lack an azimuth.
+    angles: [Option<usize>; 4],
+    /// Columns of the channels.
+    columns: Vec<usize>,
+    channels: Channels,
+}
+
+fn layout(line: usize, names: &[&str]) -> Result<Layout, ReadError> {
+    let expected =
+        "angles theta_i,phi_i,theta_r,phi_r and one channel, R,G,B, X,Y,Z or wavelengths such as 550nm";
+    let wrong = || ReadError::line(line, format!("VARS {}", names.join(",")), expected);
     let find = |angle: &str, ends: &[&str]| {
         names.iter().position(|name| {
             let name = name.to_ascii_lowercase();
@@ -161,12 +186,20 @@ fn layout(line: usize, names: &[&str]) -> Result<([usize; 4], Vec<usize>, Channe
         })
     };
     let (into, out) = (["i", "in", "incident"], ["r", "s", "o", "out", "scatter", "reflected"]);
-    let found = [find("theta", &into), find("phi", &into), find("theta", &out), find("phi", &out)];
-    let angles = match found {
-        [Some(a), Some(b), Some(c), Some(d)] => [a, b, c, d],
-        _ => [0, 1, 2, 3],
+    let angles = [find("theta", &into), find("phi", &into), find("theta", &out), find("phi", &out)];
+    let is_angle = |k: &usize| {
+        let name = names[*k].to_ascii_lowercase();
+        angles.contains(&Some(*k)) || name.starts_with("theta") || name.starts_with("phi")
     };
-    let columns: Vec<usize> = (0..names.len()).filter(|k| !angles.contains(k)).collect();
+    let columns: Vec<usize> = (0..names.len()).filter(|k| !is_angle(k)).collect();
+    let n_angles = angles.iter().flatten().count();
+    if angles[0].is_none()
+        || angles[2].is_none()
+        || columns.is_empty()
+        || columns.len() + n_angles != names.len()
+    {
+        return Err(wrong());
+    }
     let names: Vec<String> = columns.iter().map(|&k| names[k].to_ascii_uppercase()).collect();
     let wavelengths: Option<Vec<f32>> = names
         .iter()
@@ -178,7 +211,7 @@ fn layout(line: usize, names: &[&str]) -> Result<([usize; 4], Vec<usize>, Channe
         [_] => Channels::One,
         _ => Channels::Spectrum(spectrum::weights(&wavelengths.ok_or_else(wrong)?)),
     };
-    Ok((angles, columns, channels))
+    Ok(Layout { angles, columns, channels })
 }
 
 impl Channels {
@@ -214,6 +247,23 @@ mod tests {
     }
 
     #[test]
+    fn columns_are_found_by_their_names() {
+        // Three angles, as isotropic files of several laboratories have them, and names with spaces and commas.
+        for (names, row) in [
+            ("theta_i,theta_s,phi_s,Integrated [300,700]", ".5,.2,3,.25"),
+            ("theta_i, phi_i, theta_s, Integrated 300 nm to 700 nm", ".5,0,.2,.25"),
+            ("theta_i,theta_s,phi_s,f,", ".5,.2,3,.25,"),
+        ] {
+            let read = read(format!("VARS {names}\n{row}\n").as_bytes()).unwrap();
+            assert_eq!(read.scans[0].values, [0.25], "{names}");
+            assert!((read.scans[0].exitant[0][2] - 0.2f64.cos()).abs() < 1e-12);
+            assert!(read.notes[1].contains("no azimuth of"), "{:?}", read.notes);
+        }
+        let read = read(b"VARS theta_i,phi_i,theta_s,465nm,525nm,630nm\n.5,0,.2,.3,.3,.3\n").unwrap();
+        assert!(read.scans[0].values.iter().all(|v| (v - 0.3).abs() < 1e-3));
+    }
+
+    #[test]
     fn grey_is_grey_in_every_kind_of_channels() {
         for names in ["R,G,B", "X,Y,Z", "450nm,550nm,650nm"] {
             let text = format!("VARS theta_i,phi_i,theta_r,phi_r,{names}\n0.1,0,0.2,0,.3,.3,.3\n");
@@ -239,6 +289,11 @@ mod tests {
             ("NUM_POINTS x\n".into(), "line 1: found \"x\""),
             ("VARS theta_i,f\n".into(), "line 1: found VARS theta_i,f"),
             ("VARS theta_i,phi_i,theta_r,phi_r,a,b\n".into(), "line 1: found VARS"),
+            (
+                "VARS theta_i,phi_i,theta_x,phi_x,f\n".into(),
+                "line 1: found VARS theta_i,phi_i,theta_x,phi_x,f",
+            ),
+            ("VARS theta_i,phi_i,theta_r\n".into(), "line 1: found VARS"),
             ("KEY value\n".into(), "no line VARS"),
         ] {
             let message = read(text.as_bytes()).unwrap_err().to_string();

@@ -6,7 +6,9 @@
 //! Values are stored over the square that equal amounts of visible microfacets fill: f cos θ_o = s(v(u_h)) D(u_h)/(4 σ(u_i)), where u is
 //! (√(2θ/π), (φ + π)/2π) of a direction and v maps u_h of the half vector to what the distribution `vndf`, which is bilinear, has
 //! accumulated there: along φ over all θ, then along θ. In isotropic files (at most two φ_i) φ is counted from the light's. Only incident
-//! directions of the file are looked at, so nothing is interpolated between them.
+//! directions of the file are looked at, so nothing is interpolated between them. If there is a field `jacobian` that is 0, values are
+//! s(v(u_h)) alone. Azimuths of the light that are half of a turn mean that the other half is the same turned by half a turn; a quarter,
+//! that it is the same mirrored at both axes.
 //!
 //! Source: J. Dupuy and W. Jakob, "An Adaptive Parameterization for Efficient Material Acquisition and Rendering", SIGGRAPH Asia 2018.
 //! X, Y, Z of spectra are those of [`super::spectrum`].
@@ -157,6 +159,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Measurement, ReadError> {
         return Err(ReadError::file(found, expected));
     }
     let is_isotropic = phis.len() <= 2;
+    let has_jacobian = file.flag("jacobian").unwrap_or(true);
     let ndf = Table::slice(ndf_shape, ndf, 0);
     let sigma = Table::slice(sigma_shape, sigma, 0);
     let mut scans = Vec::new();
@@ -179,24 +182,36 @@ pub(super) fn read(bytes: &[u8]) -> Result<Measurement, ReadError> {
                 channels: (0..n_channels)
                     .map(|c| Table::slice(shape, values, number * n_channels + c))
                     .collect(),
-                ndf: &ndf,
+                ndf: has_jacobian.then_some(&ndf),
                 sigma: sigma.eval(unit(theta, phi)),
             };
             scans.push(slice.scan(&channels));
         }
     }
-    let mut notes = vec!["values are looked up at points around the mirrored direction".to_owned()];
-    if !is_isotropic && !is_turn {
-        notes.push("azimuths of the light are part of a turn: the sample has a symmetry".into());
-    }
+    let symmetry = if is_isotropic { Symmetry::Isotropic } else { symmetry(phis)? };
+    let notes = vec!["values are looked up at points around the mirrored direction".to_owned()];
     Ok(Measurement {
         n_channels: 3,
         scans,
         name: file.text("description").filter(|text| !text.is_empty()),
-        symmetry: is_isotropic.then_some(Symmetry::Isotropic),
+        symmetry: (symmetry != Symmetry::Anisotropic).then_some(symmetry),
         notes,
         ..Measurement::default()
     })
+}
+
+/// The symmetry by which azimuths of the light that are part of a turn make up a whole one.
+fn symmetry(phis: &[f32]) -> Result<Symmetry, ReadError> {
+    let extent = f64::from(phis[phis.len() - 1] - phis[0]);
+    match (TAU / extent).round() {
+        1.0 => Ok(Symmetry::Anisotropic),
+        2.0 => Ok(Symmetry::HalfTurn),
+        4.0 => Ok(Symmetry::Quadrilateral),
+        _ => {
+            let found = format!("phi_i over {:.1}°", extent.to_degrees());
+            Err(ReadError::file(found, "a whole turn, half or a quarter of one"))
+        }
+    }
 }
 
 /// What the file says of one incident direction.
@@ -206,7 +221,8 @@ struct Slice<'a> {
     is_isotropic: bool,
     vndf: Accumulated<'a>,
     channels: Vec<Table<'a>>,
-    ndf: &'a Table<'a>,
+    /// `None` if values have its factor in them.
+    ndf: Option<&'a Table<'a>>,
     sigma: f64,
 }
 
@@ -230,7 +246,7 @@ impl Slice<'_> {
         let phi = half[1].atan2(half[0]) - if self.is_isotropic { self.phi } else { 0.0 };
         let u = unit(half[2].clamp(-1.0, 1.0).acos(), phi);
         let at = self.vndf.before(u);
-        let factor = self.ndf.eval(u) / (4.0 * self.sigma * exitant[2]);
+        let factor = self.ndf.map_or(1.0, |ndf| ndf.eval(u) / (4.0 * self.sigma)) / exitant[2];
         // Out of gamut, RGB may be negative.
         let value = |table: &Table<'_>| table.eval(at).max(0.0) * factor;
         let xyz = match channels {
@@ -252,6 +268,9 @@ impl Slice<'_> {
 mod tests {
     use super::*;
 
+    /// A field of bytes, not of floats.
+    const BYTES: &str = "jacobian";
+
     /// A file of fields.
     fn file(fields: &[(&str, Vec<usize>, Vec<f32>)]) -> Vec<u8> {
         let head: usize =
@@ -263,12 +282,17 @@ mod tests {
             bytes.extend((name.len() as u16).to_le_bytes());
             bytes.extend(name.as_bytes());
             bytes.extend((shape.len() as u16).to_le_bytes());
-            bytes.push(10);
+            bytes.push(if *name == BYTES { 1 } else { 10 });
             bytes.extend((place as u64).to_le_bytes());
             shape.iter().for_each(|&n| bytes.extend((n as u64).to_le_bytes()));
-            place += 4 * values.len();
+            place += if *name == BYTES { 1 } else { 4 } * values.len();
         }
-        fields.iter().flat_map(|(_, _, values)| values).for_each(|value| bytes.extend(value.to_le_bytes()));
+        for (name, _, values) in fields {
+            match *name {
+                BYTES => bytes.extend(values.iter().map(|&value| value as u8)),
+                _ => values.iter().for_each(|value| bytes.extend(value.to_le_bytes())),
+            }
+        }
         bytes
     }
 
@@ -326,6 +350,44 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn values_without_jacobian_have_no_factor() {
+        let mut fields = fields(|_, _| 1.0, |_| 0.7);
+        fields.push(("jacobian", vec![1], vec![1.0]));
+        let with = read(&file(&fields)).unwrap();
+        assert_eq!(with, read(&file(&fields[..6])).unwrap());
+        fields[6].2[0] = 0.0;
+        for scan in &read(&file(&fields)).unwrap().scans {
+            for (o, xyz) in scan.exitant.iter().zip(scan.values.as_chunks::<3>().0) {
+                assert!((xyz[1] * o[2] / 0.7 - 1.0).abs() < 1e-5, "{} at {o:?}", xyz[1]);
+            }
+        }
+    }
+
+    #[test]
+    fn part_of_a_turn_is_a_symmetry() {
+        let good = fields(|_, _| 1.0, |_| 1.0);
+        let measured = |phis: &[f32]| {
+            let mut fields = good.clone();
+            fields[1] = ("phi_i", vec![phis.len()], phis.to_vec());
+            for (_, shape, values) in fields.iter_mut().skip(4) {
+                shape[0] = phis.len();
+                *values = values.repeat(phis.len());
+            }
+            read(&file(&fields))
+        };
+        let pi = PI as f32;
+        for (phis, symmetry) in [
+            (vec![-pi, 0.0, pi], None),
+            (vec![-pi, -2.0, -1.0, 0.0], Some(Symmetry::HalfTurn)),
+            (vec![-pi, -2.3, -pi / 2.0], Some(Symmetry::Quadrilateral)),
+        ] {
+            assert_eq!(measured(&phis).unwrap().symmetry, symmetry, "{phis:?}");
+        }
+        let message = measured(&[-pi, -2.0, -1.0]).unwrap_err().to_string();
+        assert!(message.contains("phi_i over 122.7°"), "{message}");
     }
 
     #[test]

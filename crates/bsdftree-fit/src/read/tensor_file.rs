@@ -115,6 +115,14 @@ impl TensorFile {
         self.fields.contains_key(name)
     }
 
+    /// Whether the first byte of a field is not 0; `None` if there is no such field.
+    pub(super) fn flag(&self, name: &str) -> Option<bool> {
+        match &self.fields.get(name)?.values {
+            Values::Bytes(bytes) => bytes.first().map(|&byte| byte != 0),
+            Values::Floats(_) => None,
+        }
+    }
+
     /// A field of bytes as text.
     pub(super) fn text(&self, name: &str) -> Option<String> {
         match &self.fields.get(name)?.values {
