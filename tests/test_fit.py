@@ -114,6 +114,83 @@ def test_isotropic_samples_are_found_and_others_are_not(rng):
     assert found.symmetry_errors["isotropic"] > 1.5 * found.symmetry_errors["anisotropic"]
 
 
+def error_at(fitted, f, thetas, phi=180.0, side=1.0):
+    """Mean relative L1 error over incident directions of one azimuth; `f` sees all light as reflected."""
+    exitant, errors = hemisphere(2000, below=88), []
+    for theta in thetas:
+        incident = direction_from_polar(theta, phi)
+        true = f(incident, exitant)
+        errors.append(np.abs(fitted.eval(incident, exitant * [1, 1, side]) - true).sum() / true.sum())
+    return np.mean(errors)
+
+
+@pytest.mark.parametrize("azimuths", [[180], range(0, 360, 45)])
+def test_swapped_pairs_help_where_reciprocity_holds(azimuths, rng):
+    """Between scans, and more so beyond the last."""
+    scans = Measurement(ring_scans(sheen, azimuths=azimuths, n=1000, rng=rng))
+    symmetry = "isotropic" if len(azimuths) == 1 else "anisotropic"
+    with_, without = (bsdftree.fit(scans, symmetry=symmetry, reciprocal=r) for r in (None, False))
+    found = with_.reciprocity["reflection_back"]
+    assert found.holds and found.difference < 0.03 and with_.recipes["reflection_back"][0].reciprocal
+    assert without.reciprocity["reflection_back"] == found
+    assert not any(recipe.reciprocal for recipe in without.recipes["reflection_back"])
+    between = [error_at(fitted, sheen, (10, 30, 50), 200) for fitted in (with_, without)]
+    assert between[0] < 0.98 * between[1], between
+    beyond = [error_at(fitted, sheen, (72, 80)) for fitted in (with_, without)]
+    assert beyond[0] < 0.8 * beyond[1], beyond
+    # At a scan its own points count, but for some beside which there are none.
+    for incident, exitant, values in scans_of(scans):
+        mine, alone = with_.eval(incident, exitant), without.eval(incident, exitant)
+        assert np.mean(np.abs(mine - alone) > 0.02 * alone) < 0.02
+        assert np.abs(mine - values).sum() < 0.03 * values.sum()
+
+
+def sheen(incident, exitant):
+    """Gloss that grows towards grazing, for swapped pairs alike."""
+    grazing = 1 - np.sqrt(np.abs(incident[..., 2] * exitant[..., 2]))
+    return gloss(incident, exitant) * (1 + 3 * grazing**2)
+
+
+def scans_of(measurement):
+    return [(scan.incident, scan.exitant, scan.values) for scan in measurement.scans]
+
+
+def test_swapped_pairs_are_refused_where_reciprocity_does_not_hold(run, tmp_path):
+    scans = Measurement(line_scans(lambda i, o: gloss(i, o) * (0.4 + o[..., 2])))
+    fitted = bsdftree.fit(scans)
+    found = fitted.reciprocity["reflection_back"]
+    assert not found.holds and found.difference > 3 * found.expected
+    assert not any(recipe.reciprocal for recipe in fitted.recipes["reflection_back"])
+    assert bsdftree.fit(scans, reciprocal=True).recipes["reflection_back"][0].reciprocal
+    done = run("fit", *scans.save(tmp_path), "-o", tmp_path / "out.xml", "--log2-res", "3")
+    assert "reciprocity: does not hold, and is not used" in done.output
+
+
+def test_transmission_is_swapped_with_that_of_the_other_side():
+    """From above it depends on the incident direction as from below on the exitant one."""
+
+    def above(i, o):
+        return sheen(i, o) * (0.4 + np.abs(i[..., 2]))
+
+    def below(i, o):
+        return above(o, i)
+
+    scans = []
+    for f, side, thetas in ((above, 1, (0, 20, 40, 60)), (below, -1, (10, 30, 50, 70))):
+        for incident, exitant, values in line_scans(f, thetas, n=1000):
+            scans.append((incident * [1, 1, side], exitant * [1, 1, -side], values))
+    with_, without = (bsdftree.fit(Measurement(scans), reciprocal=r) for r in (None, False))
+    assert set(with_.reciprocity) == {"transmission_back", "transmission_front"}
+    for part, found in with_.reciprocity.items():
+        assert found.holds and with_.recipes[part][0].reciprocal
+    errors = [error_at(fitted, above, (10, 30, 50, 65), side=-1) for fitted in (with_, without)]
+    assert errors[0] < 0.8 * errors[1], errors
+    one_side = Measurement([scan for scan in scans if scan[0][2] > 0])
+    assert bsdftree.fit(one_side).reciprocity == {"transmission_back": None}
+    with pytest.raises(ValueError, match="the light that goes back was not measured"):
+        bsdftree.fit(one_side, reciprocal=True)
+
+
 def test_stated_symmetry_is_taken_and_given_symmetry_wins():
     stated = Measurement(line_scans(gloss), symmetry="bilateral_x")
     assert bsdftree.fit(stated).symmetry == "bilateral_x"

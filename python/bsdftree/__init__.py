@@ -20,7 +20,7 @@ from bsdftree._device import Device, Family, Parameter, device_families
 from bsdftree._directions import direction_from_polar, polar_from_direction
 from bsdftree._energyplus import energyplus
 from bsdftree._energyplus_file import save_energyplus
-from bsdftree._fit import Fit, FittedTrees, Recipe, fit
+from bsdftree._fit import Fit, FittedTrees, Recipe, SwappedPairs, fit
 from bsdftree._fit_summary import DirectionTotal, FitSummary, PartSummary
 from bsdftree._generate import generate
 from bsdftree._lobes import save_lobes
@@ -64,6 +64,7 @@ __all__ = [
     "Resumed",
     "Sample",
     "Scan",
+    "SwappedPairs",
     "Symmetry",
     "Tree",
     "__version__",

@@ -31,11 +31,25 @@ class Recipe:
     split: bool
     """Whether what is below 1.5 medians of a scan stays, and only the rest moves."""
     reciprocal: bool
-    """Whether pairs of directions are averaged with swapped pairs."""
+    """Whether pairs of directions are averaged with swapped pairs, by how well each is known."""
     l1: float
     """Relative L1 error of scans left out, weighted by projected solid angle; NaN if none can be left out."""
     worst: float
     """That of the worst scan that is not dark."""
+
+
+@dataclass(frozen=True)
+class SwappedPairs:
+    """Whether light goes back as it came: what swapped pairs of scans say, each measured towards the other's light."""
+
+    holds: bool
+    """Whether they differ by no more than noise and the distance of points explain, or little more."""
+    n_pairs: int
+    """How many pairs were compared."""
+    difference: float
+    """Median of |ln(f(i,o)/f(o,i))|."""
+    expected: float
+    """The same as noise and the distance of points explain it."""
 
 
 class FittedTrees(NamedTuple):
@@ -62,6 +76,8 @@ class Fit:
         What was assumed where nothing was measured, a sentence each.
     recipes : dict
         By component, all recipes that were tried; the first is in use.
+    reciprocity : dict
+        By component, a :class:`SwappedPairs`; None if there are too few of them. Whether it is used, the recipe says.
     rank, log2_res, tolerance
         Of the trees that :meth:`trees` makes if it is told nothing.
     """
@@ -73,6 +89,7 @@ class Fit:
         self.symmetry_errors = dict(errors)
         self.notes = core.notes()
         self.recipes = {part: [Recipe(*row) for row in rows] for part, rows in core.scores()}
+        self.reciprocity = {part: found and SwappedPairs(*found) for part, found in core.reciprocity()}
         self.rank, self.log2_res, self.tolerance = core.chosen()
 
     def eval(self, incident: ArrayLike, exitant: ArrayLike) -> Array:
@@ -183,6 +200,7 @@ def fit(
     *,
     symmetry: Symmetry | None = None,
     frame: Frame | None = None,
+    reciprocal: bool | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Fit:
     """Fit a measurement: interpolate scattered values between exitant and incident directions.
@@ -198,6 +216,9 @@ def fit(
         Of the sample; what the file states or the scans show if not given.
     frame
         How lobes move with the incident direction; what predicts best if not given.
+    reciprocal
+        Whether f(o, i) counts for f(i, o) where it is known better; if not given, where swapped pairs of scans do not
+        contradict it and left-out scans are predicted better with it.
     progress
         Called with (done, total) now and then: cross-validations, of a symmetry or a recipe for one part.
 
@@ -219,7 +240,10 @@ def fit(
     """
     if not isinstance(measurement, Measurement):
         measurement = Measurement.load(measurement)
-    return Fit(_core.fit(measurement._core, symmetry=symmetry, frame=frame, progress=progress), measurement)
+    fitted = _core.fit(
+        measurement._core, symmetry=symmetry, frame=frame, reciprocal=reciprocal, progress=progress
+    )
+    return Fit(fitted, measurement)
 
 
 def _pairs(incident: ArrayLike, exitant: ArrayLike) -> tuple[tuple[Array, Array], tuple[int, ...]]:

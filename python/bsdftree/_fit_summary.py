@@ -19,7 +19,7 @@ from bsdftree._queries import Part
 from bsdftree._standard_errors import UNCERTAIN, errors_by_flux
 
 if TYPE_CHECKING:
-    from bsdftree._fit import Fit, FittedTrees, Recipe
+    from bsdftree._fit import Fit, FittedTrees, Recipe, SwappedPairs
 
 # Light from polar angles up to this [degree] is no extrapolation worth a row of its own.
 _GRAZING_DEG = 85.0
@@ -71,6 +71,8 @@ class PartSummary:
         Such as ``reflection_back``, light from the room: front is the outside, as in WINDOW.
     recipes
         All that were tried, best first; the first is in use.
+    reciprocity
+        What swapped pairs of scans say; None if there are too few.
     totals
         For each scan, by polar angle and azimuth; and for one direction nearer to grazing than all, if there is room.
     extrapolated
@@ -87,6 +89,7 @@ class PartSummary:
 
     component: str
     recipes: list[Recipe]
+    reciprocity: SwappedPairs | None
     totals: list[DirectionTotal]
     extrapolated: float
     hole_deg: float
@@ -197,6 +200,7 @@ def _part(fit: Fit, component: str, told: list[ScanSummary], trees: FittedTrees 
     return PartSummary(
         component=component,
         recipes=fit.recipes[component],
+        reciprocity=fit.reciprocity[component],
         totals=[
             DirectionTotal(*polar_of(i), n, m, float(t), float(e))
             for i, n, m, t, e in zip(incident, n_points, measured, total, error, strict=True)

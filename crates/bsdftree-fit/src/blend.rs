@@ -32,7 +32,7 @@ pub struct Recipe {
     pub blend: Blend,
     /// Whether the base stays and only the rest moves.
     pub split: bool,
-    /// Whether pairs are averaged with swapped pairs.
+    /// Whether pairs are averaged with swapped pairs ([`crate::swapped`]).
     pub reciprocal: bool,
 }
 
@@ -168,6 +168,30 @@ impl Layers {
         Slice { moved, bases, cosine, total, apart }
     }
 
+    /// The value of one pair, and the scan of the largest weight with the point where that is looked up. Lobes are not followed.
+    #[inline]
+    pub fn value(&self, incident: Ray, weights: &Weights, o: Ray) -> (f32, (usize, [f32; 2])) {
+        let logs = &*self.logs;
+        let mut first = None;
+        let mut sum = 0.0;
+        for &(k, weight) in weights {
+            let motion = Motion::new(self.recipe.frame, incident, logs.incidents[k]);
+            let point = lambert::point(motion.apply(o));
+            first.get_or_insert((k, point));
+            sum += weight as f32 * logs.logs[k].at(point);
+        }
+        let mut rest = (sum.exp() - logs.epsilon).max(0.0);
+        if self.recipe.frame == Frame::Half {
+            rest /= incident[2].max(LEAST_COSINE) * o[2].max(LEAST_COSINE);
+        }
+        let point = lambert::point(o);
+        let base: f32 = match self.recipe.split {
+            true => weights.iter().map(|&(k, weight)| weight as f32 * logs.bases[k].at(point)).sum(),
+            false => 0.0,
+        };
+        (base.max(0.0) + rest, first.expect("there is a scan"))
+    }
+
     /// Everything that moves, as one.
     fn all(&self, incident: Ray, weights: &Weights) -> Moved<'_> {
         let term = |&(k, weight): &(usize, f64)| Term {
@@ -281,6 +305,13 @@ impl Slice<'_> {
     pub fn sum(&self, o: Ray, f: impl Fn(f32, usize, [f32; 2]) -> f32) -> f32 {
         let terms = self.moved.first().map_or(&[][..], |moved| &moved.terms);
         terms.iter().map(|t| f(t.weight, t.scan, lambert::point(t.motion.apply(o)))).sum()
+    }
+
+    /// The scan of the largest weight, and the point where it is looked up.
+    #[inline]
+    pub fn nearest(&self, o: Ray) -> Option<(usize, [f32; 2])> {
+        let term = self.moved.first()?.terms.first()?;
+        Some((term.scan, lambert::point(term.motion.apply(o))))
     }
 
     #[inline(always)]

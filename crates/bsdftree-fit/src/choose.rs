@@ -10,12 +10,16 @@ use crate::blend::{Layers, Recipe};
 use crate::frame::Frame;
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Incidence, Line, Plane, lambert_radius};
-use crate::lambert;
+use crate::lambert::{self, Ray};
 use crate::progress::{Progress, Stopped};
-use crate::residual::{Residual, absolute_l1, measured};
+use crate::residual::{Residual, absolute_l1, measured, relative_l1};
+use crate::swapped::Swap;
 
 /// Points of a scan that are compared.
 const N_COMPARED: usize = 1500;
+
+/// Relative error for each unit of distance outside of scans where no scan tells: 0.1 is 8° near the normal.
+const UNKNOWN: f64 = 3.0;
 
 /// Scans left out at most.
 const N_LEFT_OUT: usize = 48;
@@ -64,8 +68,14 @@ pub(crate) fn left_out(scans: &[Gridded], line: bool) -> Vec<usize> {
     inside
 }
 
-/// Predictions of one scan from the others.
-pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize) -> Vec<Residual> {
+/// Predictions of one scan from the others, and from swapped pairs if `swap` says how.
+pub(crate) fn residuals(
+    scans: &[Gridded],
+    layers: &Layers,
+    line: bool,
+    swap: Option<&Swap<'_>>,
+    k: usize,
+) -> Vec<Residual> {
     let scan = &scans[k];
     let incidence = incidence(scans, line, layers.recipe.blend, Some(scan.group));
     let (weights, _) = incidence.weights(scan.incident);
@@ -73,10 +83,14 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
     let channel = scan.main();
     let values = &scan.values[channel];
     let step = scan.exitant.len().div_ceil(N_COMPARED).max(1);
+    let predicted = |o: Ray| match swap {
+        Some(swap) => swap.predicted(&slice, scan.incident, o, &incidence),
+        None => slice.blended(o),
+    };
     let mut found: Vec<Residual> = (0..scan.exitant.len())
         .step_by(step)
         .map(|j| Residual {
-            predicted: slice.blended(scan.exitant[j]),
+            predicted: predicted(scan.exitant[j]),
             measured: values[j],
             weight: scan.weights[j],
         })
@@ -88,6 +102,21 @@ pub(crate) fn residuals(scans: &[Gridded], layers: &Layers, line: bool, k: usize
     let scale = (total / scan.totals[channel] * theirs / mine.max(1e-12)).clamp(0.5, 2.0) as f32;
     found.iter_mut().for_each(|r| r.predicted.value *= scale);
     found
+}
+
+/// Relative error of scans at the edge predicted from the others, for each unit of distance to those on the disk: median.
+pub(crate) fn beyond(scans: &[Gridded], layers: &Layers, line: bool) -> f64 {
+    /// What is nearer lies inside.
+    const NEAR: f64 = 0.02;
+    let error = |k: usize| {
+        let incidence = incidence(scans, line, Blend::Linear, Some(scans[k].group));
+        let (_, distance) = incidence.weights(scans[k].incident);
+        (distance > NEAR).then(|| relative_l1(&residuals(scans, layers, line, None, k)) / distance)
+    };
+    let several = |k: &usize| scans.iter().any(|scan| scan.group != scans[*k].group);
+    let mut errors: Vec<f64> = one_of_each_group(scans).filter(several).filter_map(error).collect();
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() / 2).copied().unwrap_or(UNKNOWN)
 }
 
 /// What is predicted wrongly of scans that are left out one by one.
@@ -105,6 +134,7 @@ pub(crate) fn missed(
     scans: &[Gridded],
     layers: &Layers,
     line: bool,
+    swap: Option<&Swap<'_>>,
     left_out: &[usize],
     progress: &Progress,
 ) -> Result<Missed, Stopped> {
@@ -112,7 +142,7 @@ pub(crate) fn missed(
     const DARK: f64 = 0.2;
     let one = |&k: &usize| {
         progress.go_on()?;
-        let residuals = residuals(scans, layers, line, k);
+        let residuals = residuals(scans, layers, line, swap, k);
         Ok((absolute_l1(&residuals), measured(&residuals)))
     };
     let sums = left_out.par_iter().map(one).collect::<Result<Vec<(f64, f64)>, _>>()?;
@@ -164,7 +194,7 @@ pub(crate) fn scores(
         layers = layers.for_recipe(scans, channel, recipe, progress)?;
         let score = match layers.exists() {
             true => {
-                let missed = missed(scans, &layers, line, &left_out, progress)?;
+                let missed = missed(scans, &layers, line, None, &left_out, progress)?;
                 Some(Score { recipe, l1: missed.together, worst: missed.worst })
             }
             false => None,

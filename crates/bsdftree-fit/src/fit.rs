@@ -1,5 +1,6 @@
 //! A measurement fitted: every part, and trees of all of them.
 
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use bsdftree::convert::from_channels;
@@ -26,6 +27,8 @@ pub struct Options {
     pub symmetry: Option<Symmetry>,
     /// How lobes move with the incident direction; if `None`, what predicts scans best from the others.
     pub frame: Option<Frame>,
+    /// Whether swapped pairs of directions count too; if `None`, where scans do not contradict it and it predicts left-out scans better.
+    pub reciprocal: Option<bool>,
 }
 
 /// What cannot be fitted.
@@ -65,6 +68,12 @@ pub enum FitError {
     /// Lobes were to be followed, but there is only one.
     #[error("{0}: no scan has more than one lobe to follow; use another frame")]
     NoLobes(&'static str),
+    /// Swapped pairs were asked for, but there are none.
+    #[error(
+        "{0}: swapped pairs of directions cannot be used: the light that goes back was not measured, or lobes are followed one by one; \
+         leave the choice to the data, or use another frame"
+    )]
+    NotSwapped(&'static str),
     /// A resolution out of range.
     #[error("log2_res is {found}; expected 1 to {most} at rank {rank}")]
     Resolution {
@@ -139,7 +148,8 @@ impl Fit {
                 Model::new(points, part, symmetry.symmetry, &tried, measurement.n_channels, progress)?;
             model.ok_or(FitError::NoLobes(part.key()))
         });
-        let models = models.collect::<Result<_, _>>()?;
+        let mut models = models.collect::<Result<Vec<Model>, FitError>>()?;
+        use_swapped(&mut models, options.reciprocal, progress)?;
         Ok(Fit { models, symmetry, notes, n_channels: measurement.n_channels })
     }
 
@@ -238,6 +248,24 @@ impl Fit {
     pub fn scores(&self) -> impl Iterator<Item = (Part, &[Score])> {
         self.models.iter().map(|model| (model.part, model.scores.as_slice()))
     }
+}
+
+/// Lets each part use swapped pairs of the part of the light that goes back, where that was measured.
+fn use_swapped(models: &mut [Model], wanted: Option<bool>, progress: &Progress) -> Result<(), FitError> {
+    let all: Vec<_> = models.iter().map(|model| (model.part, model.forward())).collect();
+    for model in models {
+        let part = Part::between(model.part.exitant_side(), model.part.incident_side());
+        let of = all.iter().find(|(other, _)| *other == part);
+        let is_used = match of {
+            Some((_, of)) => model.use_swapped(Arc::clone(of), wanted, progress)?,
+            None => false,
+        };
+        progress.count(1)?;
+        if wanted == Some(true) && !is_used {
+            return Err(FitError::NotSwapped(model.part.key()));
+        }
+    }
+    Ok(())
 }
 
 /// What has to be assumed.

@@ -39,10 +39,16 @@ pub(crate) struct Gridded {
     pub covered: Raster,
     /// Standard errors over the disk, if there are any.
     pub noise: Option<Raster>,
+    /// Estimate of the squared relative error of going linearly between points, up to [`MOST_BEND`]; [`UNKNOWN`] beside the measured points.
+    pub doubt: Raster,
 }
 
 /// An edge of a triangle longer than this is a hole in what was measured \[disk\]: 25° around the normal.
 const HOLE: f64 = 0.3;
+
+/// Most of what [`Gridded::doubt`] says between points, and what it says elsewhere.
+pub(crate) const MOST_BEND: f32 = 0.1;
+pub(crate) const UNKNOWN: f32 = MOST_BEND + 0.0125;
 
 struct Vertex {
     position: Point2<f64>,
@@ -91,11 +97,12 @@ impl Gridded {
         }
         let weights: Vec<f32> = weights.into_iter().map(|w| w as f32).collect();
         let total = |v: &Vec<f32>| v.iter().zip(&weights).map(|(&v, &w)| f64::from(v) * f64::from(w)).sum();
-        let totals = values.iter().map(total).collect();
+        let totals: Vec<f64> = values.iter().map(total).collect();
+        let doubt = doubt(&triangles, &values[values.len() / 2], totals[values.len() / 2], n);
         let mut rasters: Vec<Raster> = rasters.into_iter().map(|values| Raster::new(n, values)).collect();
         let noise = if noisy { rasters.pop() } else { None };
         let covered = Raster::new(n, covered);
-        Gridded { part, incident, group, exitant, values, weights, rasters, totals, covered, noise }
+        Gridded { part, incident, group, exitant, values, weights, rasters, totals, covered, noise, doubt }
     }
 
     /// The channel that choices are made by: Y of X, Y, Z.
@@ -124,6 +131,21 @@ impl Gridded {
             })
             .collect()
     }
+}
+
+/// See [`Gridded::doubt`]. An exponential that changes by a factor e^Δ over a triangle is Δ²/8 above or below its chord.
+fn doubt(triangles: &[[Corner; 3]], values: &[f32], total: f64, n: usize) -> Raster {
+    /// Below this part of the mean values are as good as equal.
+    const FLOOR: f64 = 0.02;
+    let floor = (FLOOR * total / std::f64::consts::PI).max(1e-12) as f32;
+    let mut doubt = vec![UNKNOWN; n * n];
+    for corners in triangles.iter().filter(|corners| is_between_points(corners)) {
+        let [a, b, c] = corners.map(|corner| values[corner.1] + floor);
+        let change = (a.max(b).max(c) / a.min(b).min(c)).ln();
+        let bend = (change * change / 8.0).powi(2).min(MOST_BEND);
+        over_pixels(corners, n, |k, _| doubt[k] = bend);
+    }
+    Raster::new(n, doubt)
 }
 
 fn is_between_points(corners: &[Corner; 3]) -> bool {

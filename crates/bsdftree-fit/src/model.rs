@@ -1,23 +1,28 @@
 //! A measurement fitted: values for every pair of directions of one part.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
 use bsdftree::direction::Side;
 use bsdftree::{Direction, Part};
 use rayon::prelude::*;
 
 use crate::blend::{Layers, Recipe, Slice};
+use crate::cells;
 use crate::choose::{self, Score};
-use crate::gridded::Gridded;
-use crate::incidence::Incidence;
+use crate::forward::{self, Forward, Place, Summed, turned};
+use crate::frame::Frame;
 use crate::lambert::{self, Ray};
 use crate::measurement::Symmetry;
 use crate::prepare::{self, Points};
 use crate::progress::{Progress, Stopped};
-use crate::raster::Raster;
+use crate::reciprocity::Reciprocity;
 use crate::scales::Scales;
+use crate::swapped::{Back, Estimates, Places, Swap};
 use crate::uncertainty::Uncertainty;
 
-/// Pixels of an edge over which slices are summed.
-const N_SUMMED: usize = 128;
+/// Relative error between scans where none could be left out.
+const BETWEEN: f32 = 0.1;
 
 /// One part of a sample, ready to be asked.
 #[derive(Debug)]
@@ -28,13 +33,79 @@ pub struct Model {
     pub symmetry: Symmetry,
     /// All recipes that were tried, the one in use first.
     pub scores: Vec<Score>,
-    scans: Vec<Gridded>,
-    incidence: Incidence,
-    /// One per channel.
-    layers: Vec<Layers>,
-    /// What brings slices to the totals that were measured, by incident direction, one per channel.
-    scales: Vec<Scales>,
+    /// Whether light goes back as it came; `None` if there are no swapped pairs of scans.
+    pub reciprocity: Option<Reciprocity>,
+    forward: Arc<Forward>,
+    swapped: Option<Swapped>,
     uncertainty: Uncertainty,
+}
+
+/// Swapped pairs in use.
+#[derive(Debug)]
+struct Swapped {
+    /// The light that goes back.
+    of: Arc<Forward>,
+    errors: [f32; 2],
+    /// One per channel.
+    places: Vec<Places>,
+    /// What brings averages of both to their totals, one per channel.
+    scales: Vec<Scales>,
+    /// What totals grow by outside of the measured incident directions, one per channel.
+    growths: Vec<Scales>,
+}
+
+/// All exitant directions for one incident direction: what scans say forward, averaged with swapped pairs if they are in use.
+pub(crate) struct Both<'a> {
+    model: &'a Model,
+    channel: usize,
+    incident: Ray,
+    slice: Slice<'a>,
+    outside: f64,
+    /// Of the forward slice.
+    scale: f32,
+}
+
+impl Both<'_> {
+    /// The directional-hemispherical total, in [0, 1]: that which scans foresee, outside of them with what swapped pairs say.
+    pub fn total(&self) -> f64 {
+        let growth = self.model.swapped.as_ref().map_or(1.0, |swapped| {
+            swapped.growths[self.channel].at(self.incident, self.slice.apart, self.outside == 0.0)
+        });
+        (self.slice.total * f64::from(growth)).min(1.0)
+    }
+
+    /// The value, not scaled to the total. What is known of the exitant direction as an incident one is looked up if it is not given.
+    #[inline]
+    pub fn value(&self, o: Ray, there: Option<&Place>) -> f32 {
+        let forward = self.slice.value(o) * self.scale;
+        self.estimates(o, there).map_or(forward, |both| both.of(forward))
+    }
+
+    fn estimates(&self, o: Ray, there: Option<&Place>) -> Option<Estimates> {
+        let swapped = self.model.swapped.as_ref()?;
+        let back = swapped.back(self.channel);
+        let known = match there {
+            Some(there) => Cow::Borrowed(there),
+            None => swapped.places[self.channel].at(&swapped.of, self.channel, o),
+        };
+        let here = (self.incident, self.outside as f32);
+        Some(back.estimates(&self.slice, &self.model.forward.scans, here, o, &known))
+    }
+
+    /// What brings values to the total.
+    fn factor(&self) -> f32 {
+        let swapped = self.model.swapped.as_ref();
+        swapped.map_or(1.0, |swapped| {
+            swapped.scales[self.channel].at(self.incident, self.slice.apart, self.outside == 0.0)
+        })
+    }
+}
+
+impl Swapped {
+    fn back(&self, channel: usize) -> Back<'_> {
+        let Forward { scans, layers, line, .. } = &*self.of;
+        Back { scans, layers: &layers[channel], line: *line, errors: self.errors }
+    }
 }
 
 impl Model {
@@ -54,76 +125,125 @@ impl Model {
         let incidence = choose::incidence(&scans, line, recipe.blend, None);
         let layers = (0..n_channels).map(|c| Layers::new(&scans, c, line, recipe, progress));
         let layers = layers.collect::<Result<Vec<Layers>, _>>()?;
-        let uncertainty = Uncertainty::new(&scans, &layers[scans[0].main()], line, progress)?;
-        let mut model =
-            Model { part, symmetry, scores, scans, incidence, layers, scales: Vec::new(), uncertainty };
-        model.scales = (0..n_channels).map(|c| model.new_scales(c, progress)).collect::<Result<_, _>>()?;
+        let uncertainty = Uncertainty::new(&scans, &layers[scans[0].main()], line, None, progress)?;
+        let forward = Arc::new(Forward::new(scans, line, incidence, layers, progress)?);
         progress.count(1)?;
-        Ok(Some(model))
+        Ok(Some(Model { part, symmetry, scores, reciprocity: None, forward, swapped: None, uncertainty }))
     }
 
-    /// How many steps one takes: each recipe, and what is done with the best.
+    /// How many steps one takes: each recipe, what is done with the best, and swapped pairs.
     pub(crate) fn n_steps(tried: &[Recipe]) -> usize {
-        tried.len() + 1
+        tried.len() + 2
+    }
+
+    /// What its scans say, for another part to be asked about swapped pairs.
+    pub(crate) fn forward(&self) -> Arc<Forward> {
+        Arc::clone(&self.forward)
+    }
+
+    /// Compares swapped pairs with a part, which may be this one, and uses them if scans do not contradict that and it predicts left-out
+    /// scans better; or as `wanted`, if that can be done. Says whether they are used.
+    pub(crate) fn use_swapped(
+        &mut self,
+        of: Arc<Forward>,
+        wanted: Option<bool>,
+        progress: &Progress,
+    ) -> Result<bool, Stopped> {
+        let Forward { scans, line, layers, .. } = &*self.forward;
+        let channel = scans[0].main();
+        self.reciprocity = Reciprocity::of(scans, &of.scans, *line);
+        let best = self.scores[0];
+        let lobes = [best.recipe, of.layers[0].recipe].iter().any(|recipe| recipe.frame == Frame::Lobes);
+        let holds = self.reciprocity.is_some_and(|found| found.holds) && best.l1.is_finite();
+        let always = wanted == Some(true);
+        if lobes || wanted == Some(false) || !(holds || always) {
+            return Ok(false);
+        }
+        let between = if best.l1.is_finite() { best.l1 as f32 } else { BETWEEN };
+        let errors = [between, choose::beyond(scans, &layers[channel], *line) as f32];
+        let swap = Swap { forward: &self.forward, of: &of, channel, errors };
+        let left_out = choose::left_out(scans, *line);
+        let missed = choose::missed(scans, &layers[channel], *line, Some(&swap), &left_out, progress)?;
+        let recipe = Recipe { reciprocal: true, ..best.recipe };
+        let better = missed.together < best.l1;
+        let score = Score { recipe, l1: missed.together, worst: missed.worst };
+        let rank = self.scores.partition_point(|other| other.l1 < score.l1);
+        self.scores.insert(if always { 0 } else { rank }, score);
+        if !(better || always) {
+            return Ok(false);
+        }
+        self.uncertainty = Uncertainty::new(scans, &layers[channel], *line, Some(&swap), progress)?;
+        let channels = 0..layers.len();
+        let places = channels.clone().map(|c| Places::new(&of, c)).collect();
+        self.swapped = Some(Swapped { of, errors, places, scales: Vec::new(), growths: Vec::new() });
+        let tables = channels.map(|c| self.new_scales(c, progress)).collect::<Result<Vec<_>, _>>()?;
+        let swapped = self.swapped.as_mut().expect("just set");
+        (swapped.scales, swapped.growths) = tables.into_iter().unzip();
+        Ok(true)
     }
 
     /// The recipe in use.
     pub fn recipe(&self) -> Recipe {
-        self.layers[0].recipe
+        self.scores[0].recipe
     }
 
     /// Pixels of an edge of scans laid over disks, as a power of two.
     pub(crate) fn log2_pixels(&self) -> u32 {
-        self.scans[0].covered.n().ilog2()
-    }
-
-    fn is_line(&self) -> bool {
-        self.symmetry == Symmetry::Isotropic
+        self.forward.scans[0].covered.n().ilog2()
     }
 
     /// Cosine and sine of the turn that brings an isotropic sample's incident direction to where its scans are; of others none.
-    pub(crate) fn turn(&self, [x, y, _]: Ray) -> [f32; 2] {
-        let r = x.hypot(y);
-        if self.is_line() && r > 1e-7 { [-x / r, -y / r] } else { [1.0, 0.0] }
+    pub(crate) fn turn(&self, incident: Ray) -> [f32; 2] {
+        self.forward.turn(incident)
     }
 
-    /// All exitant directions for one incident direction (upper hemisphere, and of an isotropic sample in the plane of its scans), not
-    /// scaled.
-    pub(crate) fn slice(&self, channel: usize, incident: Ray) -> Slice<'_> {
-        let (weights, _) = self.incidence.weights(incident);
-        self.layers[channel].slice(incident, &weights, None)
+    /// All exitant directions for one incident direction (upper hemisphere, and of an isotropic sample in the plane of its scans).
+    pub(crate) fn slice(&self, channel: usize, incident: Ray) -> Both<'_> {
+        let (slice, outside) = self.forward.slice(channel, incident);
+        let scale = self.forward.scale(channel, incident, slice.apart, outside);
+        Both { model: self, channel, incident, slice, outside, scale }
     }
 
-    fn new_scales(&self, channel: usize, progress: &Progress) -> Result<Scales, Stopped> {
-        let directions: Vec<(Ray, f32)> =
-            Raster::directions(N_SUMMED).filter(|d| d[2] > 0.0).map(|d| (d, d[2])).collect();
-        let pixel = lambert::SOLID_ANGLE as f32 * (2.0 * crate::raster::EXTENT / N_SUMMED as f32).powi(2);
-        let sample = |incident: Ray| {
-            progress.go_on()?;
-            let (weights, outside) = self.incidence.weights(incident);
-            let slice = self.layers[channel].slice(incident, &weights, None);
-            let sum: f32 = directions.iter().map(|&(d, cosine)| slice.value(d) * cosine).sum();
-            let sum = f64::from(sum * pixel);
-            let factor = if sum > 0.0 { (slice.total / sum) as f32 } else { 1.0 };
-            Ok((factor, slice.apart, outside == 0.0))
+    /// What is known of exitant directions as incident ones, if that is worth keeping.
+    pub(crate) fn places(&self, channel: usize, exitant: &[[Ray; cells::N_POINTS]]) -> Vec<Place> {
+        match &self.swapped {
+            Some(swapped) if !self.forward.line => {
+                exitant.par_iter().flatten_iter().map(|&o| swapped.of.place(channel, o)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Tables of what brings averages to their totals, and of what totals grow by.
+    fn new_scales(&self, channel: usize, progress: &Progress) -> Result<(Scales, Scales), Stopped> {
+        /// So far outside \[disk\] the total is half of what is foreseen and half of what averages have: 2° near the normal.
+        const HALF: f64 = 0.025;
+        let directions = forward::summed_directions();
+        let swapped = self.swapped.as_ref().expect("swapped pairs are in use");
+        let place = |&o: &Ray| swapped.places[channel].at(&swapped.of, channel, o).into_owned();
+        let places: Vec<Place> = directions.par_iter().map(place).collect();
+        let summed = forward::summed(self.forward.line, &directions, progress, |incident| {
+            let both = self.slice(channel, incident);
+            let (total, apart, outside) = (both.slice.total, both.slice.apart, both.outside);
+            let places = &places;
+            (move |k: usize, o: Ray| both.value(o, Some(&places[k])), total, apart, outside)
+        })?;
+        let grown = |s: &Summed| {
+            let share = s.outside / (s.outside + HALF);
+            (s.total + share * (s.sum - s.total)).min(1.0)
         };
-        let samples = Scales::nodes(self.is_line()).into_par_iter().map(sample).collect::<Result<_, _>>()?;
-        Ok(Scales::new(self.is_line(), samples))
-    }
-
-    /// A slice, what it is to be scaled by, and how far outside the measured incident directions it is.
-    fn scaled(&self, channel: usize, incident: Ray) -> (Slice<'_>, f32, f64) {
-        let (weights, outside) = self.incidence.weights(incident);
-        let slice = self.layers[channel].slice(incident, &weights, None);
-        let scale = self.scales[channel].at(incident, slice.apart, outside == 0.0);
-        (slice, scale, outside)
+        let scales = summed.iter().map(|s| s.to(grown(s))).collect();
+        let growth = |s: &Summed| ((grown(s) / s.total.max(1e-12)) as f32, s.apart, s.outside == 0.0);
+        let growths = summed.iter().map(growth).collect();
+        Ok((Scales::new(self.forward.line, scales), Scales::new(self.forward.line, growths)))
     }
 
     /// BSDF \[1/sr\] for pairs of directions, one channel. Pairs on other sides than the part's are 0.
     pub fn eval(&self, channel: usize, incident: &[Direction], exitant: &[Direction]) -> Vec<f64> {
         self.each(incident, exitant, |i| {
-            let (slice, scale, _) = self.scaled(channel, i);
-            move |o| f64::from(slice.value(o) * scale)
+            let both = self.slice(channel, i);
+            let factor = both.factor();
+            move |o| f64::from(both.value(o, None) * factor)
         })
     }
 
@@ -134,16 +254,34 @@ impl Model {
 
     /// Standard errors for one incident direction.
     pub(crate) fn error_slice(&self, incident: Ray) -> impl Fn(Ray) -> f64 + '_ {
-        let channel = self.scans[0].main();
-        let (slice, scale, outside) = self.scaled(channel, incident);
-        let apart = f64::from(slice.apart);
+        let scans = &self.forward.scans;
+        let channel = scans[0].main();
+        let both = self.slice(channel, incident);
+        let factor = both.factor();
         move |o| {
+            let (slice, outside) = (&both.slice, both.outside);
             let mut blended = slice.blended(o);
-            blended.value *= scale;
-            let covered = slice.sum(o, |w, k, p| w * self.scans[k].covered.at(p)).clamp(0.0, 1.0);
+            let covered = slice.sum(o, |w, k, p| w * scans[k].covered.at(p)).clamp(0.0, 1.0);
             let noise2 =
-                slice.sum(o, |w, k, p| self.scans[k].noise.as_ref().map_or(0.0, |n| (w * n.at(p)).powi(2)));
-            self.uncertainty.error(blended, apart, outside, covered, f64::from(noise2.sqrt() * scale))
+                slice.sum(o, |w, k, p| scans[k].noise.as_ref().map_or(0.0, |n| (w * n.at(p)).powi(2)));
+            let noise = f64::from(noise2.sqrt() * both.scale * factor);
+            blended.value *= both.scale;
+            let (apart, outside) = match both.estimates(o, None) {
+                None => (f64::from(slice.apart), outside),
+                Some(estimates) => {
+                    blended.value = estimates.of(blended.value) * factor;
+                    let mean = |forward: f32, back: f32| {
+                        f64::from(estimates.share * forward + (1.0 - estimates.share) * back)
+                    };
+                    let place = self.swapped.as_ref().expect("in use").places[channel].at(
+                        &self.swapped.as_ref().expect("in use").of,
+                        channel,
+                        o,
+                    );
+                    (mean(slice.apart, place.apart), mean(outside as f32, place.outside))
+                }
+            };
+            self.uncertainty.error(blended, apart, outside, covered, noise)
         }
     }
 
@@ -173,10 +311,4 @@ impl Model {
         const CHUNK: usize = 2048;
         incident.par_chunks(CHUNK).zip(exitant.par_chunks(CHUNK)).flat_map_iter(chunk).collect()
     }
-}
-
-/// A direction turned back by the angle of this cosine and sine.
-#[inline(always)]
-pub(crate) fn turned([x, y, z]: Ray, [c, s]: [f32; 2]) -> Ray {
-    [c * x + s * y, c * y - s * x, z]
 }

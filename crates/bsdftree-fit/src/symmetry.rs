@@ -100,7 +100,7 @@ fn error_of(scans: &[Gridded], line: bool, groups: &[usize], progress: &Progress
         let split = frame == Frame::Lobes;
         layers = layers.for_recipe(scans, scans[0].main(), Recipe { split, ..recipe(frame) }, progress)?;
         let error = match layers.exists() {
-            true => choose::missed(scans, &layers, line, &judged, progress)?.mean,
+            true => choose::missed(scans, &layers, line, None, &judged, progress)?.mean,
             false => f64::MAX,
         };
         progress.count(1).map(|()| error)

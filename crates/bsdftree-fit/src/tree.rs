@@ -7,11 +7,11 @@ use bsdftree::square::disk_from_square;
 use bsdftree::tree::{Content, Leaf, Slot, Tree, TreeBuilder, TreeError};
 use rayon::prelude::*;
 
-use crate::blend::Slice;
 use crate::cells::{self, Cells};
 use crate::fit::FitError;
+use crate::forward::{Place, turned};
 use crate::lambert::Ray;
-use crate::model::{Model, turned};
+use crate::model::{Both, Model};
 use crate::progress::Progress;
 
 impl Model {
@@ -25,9 +25,10 @@ impl Model {
     ) -> Result<Tree, FitError> {
         let exitant: Vec<[Ray; cells::N_POINTS]> = (0..cells.n_exitant()).map(|c| cells.exitant(c)).collect();
         let mut grid = vec![0f32; cells.n().pow(cells.rank.dimensions() as u32)];
+        let places = self.places(channel, &exitant);
         let rows = grid.par_chunks_mut(cells.n_exitant()).take(cells.n_incident()).enumerate();
         rows.try_for_each(|(cell, row)| {
-            self.fill(channel, cells, cell, others, &exitant, row);
+            self.fill(channel, cells, cell, others, (&exitant, &places), row);
             progress.count(1)
         })?;
         Ok(Tree::from_grid(cells.rank, &grid)?)
@@ -40,23 +41,27 @@ impl Model {
         cells: Cells,
         cell: usize,
         others: &[&Model],
-        exitant: &[[Ray; cells::N_POINTS]],
+        (exitant, places): (&[[Ray; cells::N_POINTS]], &[Place]),
         row: &mut [f32],
     ) {
         let mut points = cells.incident(cell);
         let turns = points.map(|i| self.turn(i));
         points.iter_mut().zip(turns).for_each(|(i, turn)| *i = turned(*i, turn));
-        let slices: [OnceCell<Slice<'_>>; cells::N_POINTS] = Default::default();
+        let slices: [OnceCell<Both<'_>>; cells::N_POINTS] = Default::default();
         let slice = |k: usize| slices[k].get_or_init(|| self.slice(channel, points[k]));
         let mean = |total: &dyn Fn(usize) -> f64| {
             cells::FOUR.map(total).iter().sum::<f64>() / cells::FOUR.len() as f64
         };
-        let own = mean(&|k| slice(k).total);
+        let own = mean(&|k| slice(k).total());
         let all =
-            own + others.iter().map(|other| mean(&|k| other.slice(channel, points[k]).total)).sum::<f64>();
+            own + others.iter().map(|other| mean(&|k| other.slice(channel, points[k]).total())).sum::<f64>();
         let total = own / all.max(1.0);
         let level = 0.2 * (total / std::f64::consts::PI) as f32;
-        let value = |c: usize| move |i: usize, o: usize| slice(i).value(turned(exitant[c][o], turns[i]));
+        let value = |c: usize| {
+            move |i: usize, o: usize| {
+                slice(i).value(turned(exitant[c][o], turns[i]), places.get(c * cells::N_POINTS + o))
+            }
+        };
         let rough: Vec<bool> = row
             .iter_mut()
             .enumerate()

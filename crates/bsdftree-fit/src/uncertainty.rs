@@ -13,6 +13,7 @@ use crate::choose;
 use crate::gridded::Gridded;
 use crate::progress::{Progress, Stopped};
 use crate::residual::{Blended, Residual};
+use crate::swapped::Swap;
 
 /// Relative error for each unit of distance on the disk outside the measured incident directions: 0.1 is 8° near the normal.
 const PER_DISTANCE: f64 = 3.0;
@@ -101,6 +102,7 @@ impl Uncertainty {
         scans: &[Gridded],
         layers: &Layers,
         line: bool,
+        swap: Option<&Swap<'_>>,
         progress: &Progress,
     ) -> Result<Uncertainty, Stopped> {
         let channel = scans[0].main();
@@ -118,7 +120,7 @@ impl Uncertainty {
         };
         let left_out = choose::left_out(scans, line).into_par_iter().map(|k| {
             progress.go_on()?;
-            Ok(choose::residuals(scans, layers, line, k))
+            Ok(choose::residuals(scans, layers, line, swap, k))
         });
         let between = left_out.collect::<Result<Vec<_>, _>>()?;
         let between: Vec<_> = between.iter().flatten().map(|r| sample(r.predicted.spread, r)).collect();

@@ -80,7 +80,11 @@ fn a_fit_does_the_steps_that_it_said() {
     let quadrant = |scan: &Scan| scan.incident[0] >= -1e-9 && scan.incident[1] >= -1e-9;
     let scans = all.scans.iter().filter(|scan| quadrant(scan)).cloned().collect();
     let quarter = Measurement { scans, ..all.clone() };
-    let given = Options { symmetry: Some(bsdftree_fit::Symmetry::Isotropic), frame: Some(Frame::Rotation) };
+    let given = Options {
+        symmetry: Some(bsdftree_fit::Symmetry::Isotropic),
+        frame: Some(Frame::Rotation),
+        ..Options::default()
+    };
     for (measurement, options) in [(&all, Options::default()), (&quarter, Options::default()), (&all, given)]
     {
         let progress = Progress::default();

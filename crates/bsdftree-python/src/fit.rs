@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use bsdftree_fit::{Blend, Fit as Fitted, Frame, Options, Progress, Score, Symmetry};
+use bsdftree_fit::{Blend, Fit as Fitted, Frame, Options, Progress, Reciprocity, Score, Symmetry};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
@@ -22,6 +22,8 @@ pub struct Fit(Arc<Fitted>);
 /// Frame, blend, whether the base stays, whether pairs are averaged with swapped pairs; mean and worst error.
 type ScoreOut = (&'static str, &'static str, bool, bool, f64, f64);
 
+type ReciprocityOut = (bool, usize, f64, f64);
+
 fn score_out(score: &Score) -> ScoreOut {
     let blend = match score.recipe.blend {
         Blend::Spline => "spline",
@@ -32,17 +34,19 @@ fn score_out(score: &Score) -> ScoreOut {
 
 /// Fits a measurement.
 #[pyfunction]
-#[pyo3(signature = (measurement, *, symmetry, frame, progress))]
+#[pyo3(signature = (measurement, *, symmetry, frame, reciprocal, progress))]
 pub fn fit(
     py: Python<'_>,
     measurement: &Measurement,
     symmetry: Option<&str>,
     frame: Option<&str>,
+    reciprocal: Option<bool>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<Fit> {
     let options = Options {
         symmetry: symmetry.map(symmetry_of).transpose()?,
         frame: frame.map(|name| one_of("frame", name, &Frame::ALL, Frame::name)).transpose()?,
+        reciprocal,
     };
     let measurement = Arc::clone(&measurement.0);
     let fitted = watched(py, &Progress::default(), progress, |p| Fitted::new(&measurement, &options, p))?;
@@ -111,6 +115,12 @@ impl Fit {
     /// By part, best first.
     fn scores(&self) -> Vec<(&'static str, Vec<ScoreOut>)> {
         self.0.scores().map(|(part, scores)| (part.key(), scores.iter().map(score_out).collect())).collect()
+    }
+
+    /// By part: whether reciprocity holds, number of swapped pairs, their median difference, what is expected of it.
+    fn reciprocity(&self) -> Vec<(&'static str, Option<ReciprocityOut>)> {
+        let out = |r: Reciprocity| (r.holds, r.n_pairs, r.difference, r.expected);
+        self.0.models.iter().map(|model| (model.part.key(), model.reciprocity.map(out))).collect()
     }
 
     /// Rank, resolution and tolerance that are chosen where none are given.

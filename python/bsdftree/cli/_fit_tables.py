@@ -46,6 +46,7 @@ def _show_part(part: PartSummary) -> None:
     more = len(part.recipes) - _N_RECIPES
     if more > 0:
         _say(f"and {more} recipes with larger errors", "dim")
+    _say(_reciprocity(part))
     totals = table(">light from θ", ">scans", ">points", ">total measured", ">of the tree", ">± standard error", "")
     for theta_deg, rows in groupby(part.totals, key=lambda row: (row.n_points > 0, round(row.theta_deg, 1))):
         _add_total(totals, theta_deg[1], list(rows))
@@ -59,6 +60,22 @@ def _show_part(part: PartSummary) -> None:
         f"extrapolated: {_percent(part.extrapolated)} of incident directions lie outside those measured; exitant "
         f"directions are up to {part.hole_deg:.0f}° from all points"
     )
+
+
+def _reciprocity(part: PartSummary) -> str:
+    """What swapped pairs of scans say, and what was made of it."""
+    found = part.reciprocity
+    if found is None:
+        return "reciprocity: not known, too few scans were measured towards each other's light"
+    said = (
+        f"{found.n_pairs:,} swapped pairs differ by {_percent(found.difference)}, expected {_percent(found.expected)}"
+    )
+    if not found.holds:
+        return f"reciprocity: does not hold, and is {'' if part.recipes[0].reciprocal else 'not '}used; {said}"
+    if part.recipes[0].reciprocal:
+        return f"reciprocity: holds, and is used; {said}"
+    tried = any(recipe.reciprocal for recipe in part.recipes)
+    return f"reciprocity: holds, and is not used{', since it does not help' if tried else ''}; {said}"
 
 
 def _add_total(totals: object, theta_deg: float, rows: list[DirectionTotal]) -> None:

@@ -48,6 +48,11 @@ _MOST = 0.5
     type=click.Choice(get_args(Frame)),
     help="How lobes move with the incident direction. [default: what predicts left-out scans best]",
 )
+@click.option(
+    "--reciprocal/--no-reciprocal",
+    default=None,
+    help="Whether values of swapped directions count too. [default: where scans agree, and it helps to predict them]",
+)
 @click.option("--rank", type=click.Choice(["3", "4"]), help="Of the tree. [default: 3 if isotropic, else 4]")
 @click.option(
     "--log2-res",
@@ -82,6 +87,7 @@ def fit(
     output: str,
     symmetry: str | None,
     frame: str | None,
+    reciprocal: bool | None,
     rank: str | None,
     log2_res: int | None,
     tolerance: float | None,
@@ -114,7 +120,13 @@ def fit(
         _check_picture(plot)
     measurement = Measurement.load(files, columns=columns, side=side, format=format_, grazing=grazing)
     with fits_bar() as bar:
-        fitted = bsdftree.fit(measurement, symmetry=symmetry, frame=frame, progress=bar.update)  # type: ignore[arg-type]
+        fitted = bsdftree.fit(
+            measurement,
+            symmetry=symmetry,  # type: ignore[arg-type]
+            frame=frame,  # type: ignore[arg-type]
+            reciprocal=reciprocal,
+            progress=bar.update,
+        )
     with cells_bar() as bar:
         trees = fitted.trees(
             rank=int(rank) if rank else None,

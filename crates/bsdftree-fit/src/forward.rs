@@ -1,0 +1,149 @@
+//! Scans of one part with a recipe: all exitant directions for one incident direction, at the totals that scans foresee.
+
+use rayon::prelude::*;
+
+use crate::blend::{Layers, Slice};
+use crate::gridded::Gridded;
+use crate::incidence::{Incidence, Weights};
+use crate::lambert::{self, Ray};
+use crate::progress::{Progress, Stopped};
+use crate::raster::Raster;
+use crate::scales::{Sample, Scales};
+
+/// Pixels of an edge over which slices are summed.
+const N_SUMMED: usize = 128;
+
+/// What scans say, each forward: the way that light went.
+#[derive(Debug)]
+pub(crate) struct Forward {
+    pub scans: Vec<Gridded>,
+    /// Whether the sample is isotropic: scans lie in one half-plane.
+    pub line: bool,
+    pub incidence: Incidence,
+    /// One per channel.
+    pub layers: Vec<Layers>,
+    /// What brings slices to the totals that were measured, by incident direction, one per channel.
+    scales: Vec<Scales>,
+}
+
+/// What is known of an incident direction (upper hemisphere; of an isotropic sample in the plane of its scans).
+#[derive(Clone, Debug)]
+pub(crate) struct Place {
+    pub weights: Weights,
+    /// Brings what scans say to its total.
+    pub scale: f32,
+    /// How far from a scan it is: 1 − Σw².
+    pub apart: f32,
+    /// How far outside the measured ones it is \[disk\].
+    pub outside: f32,
+}
+
+/// 1 − Σw², 0 at a scan.
+pub(crate) fn apart(weights: &Weights) -> f32 {
+    (1.0 - weights.iter().map(|(_, w)| w * w).sum::<f64>()).clamp(0.0, 1.0) as f32
+}
+
+impl Forward {
+    pub fn new(
+        scans: Vec<Gridded>,
+        line: bool,
+        incidence: Incidence,
+        layers: Vec<Layers>,
+        progress: &Progress,
+    ) -> Result<Forward, Stopped> {
+        let mut forward = Forward { scans, line, incidence, layers, scales: Vec::new() };
+        let directions = summed_directions();
+        let scales = |channel: usize| {
+            let summed = summed(line, &directions, progress, |incident| {
+                let (slice, outside) = forward.slice(channel, incident);
+                let apart = slice.apart;
+                let total = slice.total;
+                (move |_: usize, o: Ray| slice.value(o), total, apart, outside)
+            })?;
+            Ok(Scales::new(line, summed.iter().map(|s| s.to(s.total)).collect()))
+        };
+        forward.scales = (0..forward.layers.len()).map(scales).collect::<Result<_, _>>()?;
+        Ok(forward)
+    }
+
+    /// Cosine and sine of the turn that brings an isotropic sample's incident direction to where its scans are; of others none.
+    pub fn turn(&self, incident: Ray) -> [f32; 2] {
+        if self.line { turn(incident) } else { [1.0, 0.0] }
+    }
+
+    /// The slice of an incident direction, not scaled, and how far outside the measured ones that is.
+    pub fn slice(&self, channel: usize, incident: Ray) -> (Slice<'_>, f64) {
+        let (weights, outside) = self.incidence.weights(incident);
+        (self.layers[channel].slice(incident, &weights, None), outside)
+    }
+
+    /// What brings the slice of an incident direction to its total.
+    pub fn scale(&self, channel: usize, incident: Ray, apart: f32, outside: f64) -> f32 {
+        self.scales[channel].at(incident, apart, outside == 0.0)
+    }
+
+    pub fn place(&self, channel: usize, incident: Ray) -> Place {
+        self.place_by(&self.incidence, channel, incident)
+    }
+
+    /// What is known of an incident direction by some of the scans.
+    pub fn place_by(&self, incidence: &Incidence, channel: usize, incident: Ray) -> Place {
+        let (weights, outside) = incidence.weights(incident);
+        let apart = apart(&weights);
+        let scale = self.scale(channel, incident, apart, outside);
+        Place { weights, scale, apart, outside: outside as f32 }
+    }
+}
+
+/// Directions that slices are summed over.
+pub(crate) fn summed_directions() -> Vec<Ray> {
+    Raster::directions(N_SUMMED).filter(|d| d[2] > 0.0).collect()
+}
+
+/// A slice summed.
+pub(crate) struct Summed {
+    /// As it is.
+    pub sum: f64,
+    /// As scans foresee it.
+    pub total: f64,
+    pub apart: f32,
+    pub outside: f64,
+}
+
+impl Summed {
+    /// What brings it to a total, as tables keep it.
+    pub fn to(&self, total: f64) -> Sample {
+        (if self.sum > 0.0 { (total / self.sum) as f32 } else { 1.0 }, self.apart, self.outside == 0.0)
+    }
+}
+
+/// Slices summed over exitant directions at all nodes of [`Scales`]. `slice` makes of an incident direction a function of the number of an
+/// exitant one and that, the total, and how far from a scan and how far outside it is.
+pub(crate) fn summed<F: Fn(usize, Ray) -> f32>(
+    line: bool,
+    directions: &[Ray],
+    progress: &Progress,
+    slice: impl Fn(Ray) -> (F, f64, f32, f64) + Sync,
+) -> Result<Vec<Summed>, Stopped> {
+    let pixel = lambert::SOLID_ANGLE as f32 * (2.0 * crate::raster::EXTENT / N_SUMMED as f32).powi(2);
+    let summed = |incident: Ray| {
+        progress.go_on()?;
+        let (value, total, apart, outside) = slice(incident);
+        let sum: f32 = directions.iter().enumerate().map(|(k, &o)| value(k, o) * o[2]).sum();
+        Ok(Summed { sum: f64::from(sum * pixel), total, apart, outside })
+    };
+    Scales::nodes(line).into_par_iter().map(summed).collect()
+}
+
+/// Cosine and sine of the turn that brings a direction to the half-plane y = 0, x ≤ 0.
+#[inline(always)]
+pub(crate) fn turn([x, y, _]: Ray) -> [f32; 2] {
+    let r = x.hypot(y);
+    if r > 1e-7 { [-x / r, -y / r] } else { [1.0, 0.0] }
+}
+
+/// A direction turned back by the angle of this cosine and sine.
+#[inline(always)]
+pub(crate) fn turned([x, y, z]: Ray, [c, s]: [f32; 2]) -> Ray {
+    [c * x + s * y, c * y - s * x, z]
+}

@@ -1,0 +1,138 @@
+//! Reciprocity as information: f(i,o) is also what the fit says of light that comes from o and leaves towards i.
+//!
+//! Scans know few incident directions and many exitant ones. So between scans, and beyond the last of them, f(i,o) is known well where o is
+//! near the incident direction of a scan: that scan was measured at i. Both estimates are averaged with the inverse of their variances,
+//! which are estimated from how far from a scan each is ([`variance`]). At a scan its own points count alone, except where it has none.
+//!
+//! In reflection the swapped pair is one of the same part; in transmission (i in front, o behind) it is one of the light that comes from behind,
+//! and both were mirrored to the upper hemisphere in the same way, so here there is no difference.
+
+use std::borrow::Cow;
+
+use crate::blend::{Layers, Slice};
+use crate::forward::{self, Forward, Place, turned};
+use crate::gridded::{Gridded, MOST_BEND};
+use crate::incidence::Incidence;
+use crate::lambert::Ray;
+use crate::residual::Blended;
+
+/// How many times worse than the mean over a scan an extrapolated value may be: it is the dim parts that are off most.
+const BEYOND: f32 = 2.0;
+
+/// Neither estimate counts for nothing.
+const LEAST_VARIANCE: f32 = 1e-6;
+
+/// Steps of the radius of the disk for which an isotropic sample's weights are kept: 10 000 times finer than scans are apart.
+const N_RADII: usize = 8192;
+
+/// Where a pair's swapped pair is asked: scans of the light that goes back, one channel.
+#[derive(Clone, Copy)]
+pub(crate) struct Back<'a> {
+    pub scans: &'a [Gridded],
+    pub layers: &'a Layers,
+    pub line: bool,
+    /// Relative error between scans, and for each unit of distance on the disk outside of them.
+    pub errors: [f32; 2],
+}
+
+/// The squared relative error that is expected of an estimate.
+///
+/// `doubt` is that of going linearly between points there. At a scan ([`Place::apart`] is 0) `measured` says that its own points are
+/// to be kept as they are.
+fn variance(back: &Back<'_>, apart: f32, outside: f32, doubt: f32, measured: bool) -> f32 {
+    let apart = (2.0 * apart).min(1.0);
+    let bend = doubt.min(MOST_BEND);
+    let bend = if measured { apart * bend } else { bend };
+    let [between, beyond] = back.errors;
+    let unknown = (doubt - MOST_BEND).max(0.0);
+    apart * between.powi(2) + bend + unknown + (BEYOND * beyond * outside).powi(2) + LEAST_VARIANCE
+}
+
+/// Both estimates of one pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Estimates {
+    swapped: f32,
+    /// Weight of the forward one, in [0, 1].
+    pub share: f32,
+}
+
+impl Estimates {
+    /// The mean with a forward value.
+    #[inline(always)]
+    pub fn of(self, forward: f32) -> f32 {
+        self.share * forward + (1.0 - self.share) * self.swapped
+    }
+}
+
+impl Back<'_> {
+    /// The swapped pair's value and what the forward one counts. `here` is known of the incident direction, `there` of the exitant one.
+    #[inline]
+    pub fn estimates(
+        &self,
+        slice: &Slice<'_>,
+        scans: &[Gridded],
+        (incident, outside): (Ray, f32),
+        o: Ray,
+        there: &Place,
+    ) -> Estimates {
+        let turn = if self.line { forward::turn(o) } else { [1.0, 0.0] };
+        let (value, (k, point)) = self.layers.value(turned(o, turn), &there.weights, turned(incident, turn));
+        let doubt = slice.nearest(o).map_or(0.0, |(k, point)| scans[k].doubt.at(point));
+        let forward = variance(self, slice.apart, outside, doubt, true);
+        let doubt = self.scans[k].doubt.at(point);
+        let swapped = variance(self, there.apart, there.outside, doubt, false);
+        Estimates { swapped: value * there.scale, share: swapped / (forward + swapped) }
+    }
+}
+
+/// How scans that are left out are predicted from swapped pairs too.
+pub(crate) struct Swap<'a> {
+    /// All scans of the part.
+    pub forward: &'a Forward,
+    /// Those of the light that goes back: perhaps the same.
+    pub of: &'a Forward,
+    pub channel: usize,
+    pub errors: [f32; 2],
+}
+
+impl<'a> Swap<'a> {
+    pub fn back(&self) -> Back<'a> {
+        let Forward { scans, layers, line, .. } = self.of;
+        Back { scans, layers: &layers[self.channel], line: *line, errors: self.errors }
+    }
+
+    /// Predicts pairs from a slice without the scans that `incidence` leaves out, and from swapped pairs without them.
+    pub fn predicted(&self, slice: &Slice<'_>, incident: Ray, o: Ray, incidence: &Incidence) -> Blended {
+        let incidence = if std::ptr::eq(self.of, self.forward) { incidence } else { &self.of.incidence };
+        let there = self.of.place_by(incidence, self.channel, o);
+        let both = self.back().estimates(slice, &self.forward.scans, (incident, 0.0), o, &there);
+        let forward = slice.blended(o);
+        let scale = self.forward.scale(self.channel, incident, slice.apart, 0.0);
+        Blended { value: both.of(forward.value * scale), ..forward }
+    }
+}
+
+/// What is known of directions as incident ones: of an isotropic sample a table by radius.
+#[derive(Debug)]
+pub(crate) struct Places {
+    by_radius: Vec<Place>,
+}
+
+impl Places {
+    pub fn new(forward: &Forward, channel: usize) -> Places {
+        let at = |k: usize| {
+            let r = k as f32 / (N_RADII - 1) as f32;
+            let z = 1.0 - r * r;
+            forward.place(channel, [-(1.0 - z * z).max(0.0).sqrt(), 0.0, z])
+        };
+        Places { by_radius: if forward.line { (0..N_RADII).map(at).collect() } else { Vec::new() } }
+    }
+
+    pub fn at<'a>(&'a self, forward: &Forward, channel: usize, o: Ray) -> Cow<'a, Place> {
+        if self.by_radius.is_empty() {
+            return Cow::Owned(forward.place(channel, o));
+        }
+        let r = (1.0 - o[2]).max(0.0).sqrt() * (N_RADII - 1) as f32;
+        Cow::Borrowed(&self.by_radius[(r + 0.5) as usize])
+    }
+}
