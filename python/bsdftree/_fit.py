@@ -240,9 +240,7 @@ def fit(
     """
     if not isinstance(measurement, Measurement):
         measurement = Measurement.load(measurement)
-    fitted = _core.fit(
-        measurement._core, symmetry=symmetry, frame=frame, reciprocal=reciprocal, progress=progress
-    )
+    fitted = _core.fit(measurement._core, symmetry=symmetry, frame=frame, reciprocal=reciprocal, progress=progress)
     return Fit(fitted, measurement)
 
 
