@@ -1,13 +1,12 @@
 //! Trees of grids, and trees with branches cut off.
 
-use std::borrow::Cow;
 use std::io::{self, Write};
 use std::sync::Arc;
 
 use bsdftree::binary::{self, Packing};
 use bsdftree::reduce::{Goal, Loss, Noise, Norm, ReduceError};
-use bsdftree::tree::grid;
-use bsdftree::{Component, Scattering, xml};
+use bsdftree::tree::{TreeError, grid};
+use bsdftree::{Component, Rank, Scattering, xml};
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -59,15 +58,10 @@ pub fn tree_of_grid(
     let (rank, values) = (self::rank(rank)?, values.as_slice()?);
     let goal = self::goal(l1, rms, total, n_leaves, norm, balance)?;
     let is_reduced = l1.or(rms).or(total).is_some() || n_leaves.is_some();
-    py.detach(|| {
-        let (values, mended) = good_values(rank, values, strict)?;
-        let (tree, loss) = match is_reduced {
-            false => (bsdftree::Tree::from_grid(rank, &values).map_err(|e| e.to_string())?, Loss::default()),
-            true => bsdftree::Tree::reduced_from_grid(rank, &values, &goal).map_err(|e| e.to_string())?,
-        };
-        Ok((Tree(Arc::new(tree)), loss_tuple(&loss), mended))
+    made_of(py, rank, values, strict, |values| match is_reduced {
+        false => Ok((bsdftree::Tree::from_grid(rank, values)?, Loss::default())),
+        true => bsdftree::Tree::reduced_from_grid(rank, values, &goal),
     })
-    .map_err(|error: String| value_error(error))
 }
 
 /// A tree of a grid without what noise explains, reduced if anything says how far; what was lost by that; and what was mended.
@@ -90,32 +84,31 @@ pub fn tree_of_noisy_grid(
     let (rank, values, noise) = (self::rank(rank)?, values.as_slice()?, noise.as_slice()?);
     let goal = self::goal(l1, rms, total, n_leaves, norm, balance)?;
     let noise = if is_counts { Noise::Counts(noise) } else { Noise::Variance(noise) };
-    py.detach(|| {
-        let (values, mended) = good_values(rank, values, strict)?;
-        let (tree, loss) =
-            bsdftree::Tree::from_noisy_grid(rank, &values, noise, &goal).map_err(|e| e.to_string())?;
-        Ok((Tree(Arc::new(tree)), loss_tuple(&loss), mended))
-    })
-    .map_err(|error: String| value_error(error))
+    made_of(py, rank, values, strict, |values| bsdftree::Tree::from_noisy_grid(rank, values, noise, &goal))
 }
 
-/// The values of a grid, the bad ones replaced unless that is refused, and what was said of it.
-fn good_values(
-    rank: bsdftree::Rank,
+/// What is made of a grid; if that is refused for bad values, what is made of it with those replaced, unless that is refused too.
+fn made_of(
+    py: Python<'_>,
+    rank: Rank,
     values: &[f32],
     strict: bool,
-) -> Result<(Cow<'_, [f32]>, Option<String>), String> {
-    let Some(bad) = grid::bad_values(rank, values).map_err(|e| e.to_string())? else {
-        return Ok((values.into(), None));
-    };
-    if strict {
-        return Err(format!(
+    make: impl Fn(&[f32]) -> Result<(bsdftree::Tree, Loss), ReduceError> + Send + Sync,
+) -> PyResult<(Tree, LossTuple, Option<String>)> {
+    let made = py.detach(|| match make(values) {
+        Err(ReduceError::Grid(TreeError::BadValues(bad))) if strict => Err(format!(
             "{bad}; strict=False takes negative ones as 0 and others as the mean of those around"
-        ));
-    }
-    let mut values = values.to_vec();
-    grid::mend(rank, &mut values).map_err(|e| e.to_string())?;
-    Ok((values.into(), Some(format!("{bad}; negative ones taken as 0, others as the mean of those around"))))
+        )),
+        Err(ReduceError::Grid(TreeError::BadValues(bad))) => {
+            let mut values = values.to_vec();
+            grid::mend(rank, &mut values).map_err(|e| e.to_string())?;
+            let mended = format!("{bad}; negative ones taken as 0, others as the mean of those around");
+            make(&values).map(|made| (made, Some(mended))).map_err(|e| e.to_string())
+        }
+        made => made.map(|made| (made, None)).map_err(|e| e.to_string()),
+    });
+    let ((tree, loss), mended) = made.map_err(value_error)?;
+    Ok((Tree(Arc::new(tree)), loss_tuple(&loss), mended))
 }
 
 /// A tree reduced to bounds or to a number of leaves.

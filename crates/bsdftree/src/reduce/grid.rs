@@ -27,6 +27,8 @@ pub(super) struct Grid<'a> {
     pairs: [usize; 8],
     /// Of all values.
     whole: Whole,
+    /// Of all incident cells, the first dimension fastest.
+    totals: Vec<f64>,
 }
 
 impl<'a> Grid<'a> {
@@ -50,8 +52,9 @@ impl<'a> Grid<'a> {
                 (0..d - 1).fold(0, |index, i| index << log2_res | (k >> i & 1)) << log2_res
             }),
             whole: Whole::default(),
+            totals: Vec::new(),
         };
-        grid.whole = grid.sums();
+        (grid.whole, grid.totals) = grid.sums();
         Ok(grid)
     }
 
@@ -60,12 +63,16 @@ impl<'a> Grid<'a> {
         1 << self.log2_res
     }
 
-    /// Sums over all values.
-    fn sums(&self) -> Whole {
+    /// Sums over all values, and over those of each incident cell.
+    fn sums(&self) -> (Whole, Vec<f64>) {
         let mut whole = Whole::default();
-        let layer = self.values.len() >> self.log2_res;
-        for (k, values) in self.values.chunks_exact(layer).enumerate() {
-            let weight = self.weights.of(self.log2_res, k as u32);
+        let (n, area) = (self.side(), leaf_area(self.log2_res));
+        let rows = if self.rank == Rank::Four { n } else { 1 };
+        let mut totals = vec![0.0; rows * n];
+        for (index, values) in self.values.chunks_exact(n * n).enumerate() {
+            // There the first dimension is the slowest, in totals the fastest.
+            let (x, y) = (index / rows, index % rows);
+            let weight = self.weights.of(self.log2_res, x as u32);
             let (mut light, mut power) = (0.0, 0.0);
             // So many sums side by side are added in one instruction each.
             for values in values.chunks(self.side()) {
@@ -82,12 +89,13 @@ impl<'a> Grid<'a> {
                 light += sums.iter().sum::<f64>() + rest.clone().sum::<f64>();
                 power += squares.iter().sum::<f64>() + rest.map(|v| v * v).sum::<f64>();
             }
+            totals[y * n + x] = area * light;
             whole.light += weight * light;
             whole.power += weight * power;
             let largest = values.iter().fold(0.0f32, |largest, &v| if v > largest { v } else { largest });
             whole.largest = whole.largest.max(f64::from(largest));
         }
-        whole
+        (whole, totals)
     }
 
     /// Number of the node with these coordinates within its level, but for the last one.
@@ -412,24 +420,24 @@ impl Source for Grid<'_> {
     }
 
     fn totals(&self) -> Vec<f64> {
-        let (n, area) = (self.side(), leaf_area(self.log2_res));
-        let planes = self.values.chunks_exact(n * n);
-        let row = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>();
-        let sums: Vec<f64> = planes.map(|plane| area * plane.chunks_exact(n).map(row).sum::<f64>()).collect();
-        match self.rank {
-            Rank::Three => sums,
-            // There the first dimension is the slowest, here the fastest.
-            Rank::Four => (0..n * n).map(|k| sums[k % n * n + k / n]).collect(),
-        }
+        self.totals.clone()
     }
 
-    fn totals_below(&self, node: u32, level: u32) -> Vec<f64> {
+    fn totals_below(&self, node: u32, level: u32, totals: &mut Vec<f64>) {
         let (shift, area) = (self.log2_res - level, leaf_area(self.log2_res));
         let (d, side, n) = (self.rank.dimensions(), 1usize << shift, self.side());
         let (_, cell) = self.place(node);
+        totals.clear();
+        if shift == 1 {
+            // Most nodes.
+            totals.resize(1 << (d - 2), 0.0);
+            for (k, [a, b]) in self.cells(cell).enumerate() {
+                totals[k & ((1 << (d - 2)) - 1)] += area * (f64::from(a) + f64::from(b));
+            }
+            return;
+        }
         let exitant = [cell[d - 2] << shift, cell[d - 1] << shift];
         let rows = if d == 4 { side } else { 1 };
-        let mut totals = Vec::with_capacity(rows * side);
         for y in 0..rows {
             for x in 0..side {
                 let x = (cell[0] << shift) + x;
@@ -439,6 +447,5 @@ impl Source for Grid<'_> {
                 totals.push(area * sum);
             }
         }
-        totals
     }
 }

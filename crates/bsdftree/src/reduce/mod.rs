@@ -291,6 +291,8 @@ impl<S: Source> Reduction<S> {
         if let Some(bound) = total {
             let means = &self.measures.means;
             if totals::kept(&self.source, means, &mut pruning.is_cut, tree.arena(), bound) {
+                // So that there are not two.
+                drop(tree);
                 tree = self.tree(&pruning.is_cut);
             }
         }

@@ -54,8 +54,8 @@ pub(super) trait Source {
     fn lost(&self, reduced: &Arena) -> [f64; 2];
     /// Directional-hemispherical totals of all finest incident cells, the first dimension fastest.
     fn totals(&self) -> Vec<f64>;
-    /// What a node of a level gives to those of the incident cells that it stands for.
-    fn totals_below(&self, node: u32, level: u32) -> Vec<f64>;
+    /// What a node of a level gives to those of the incident cells that it stands for, in place of what is in `totals`.
+    fn totals_below(&self, node: u32, level: u32, totals: &mut Vec<f64>);
 }
 
 /// How much of the domain a cell of a level is, by its first coordinate at that level.
@@ -272,11 +272,11 @@ impl Source for Nodes<'_> {
         (0..ny).flat_map(|y| (0..n).map(move |x| [x, y])).map(|cell| totals.of(cell)[0]).collect()
     }
 
-    fn totals_below(&self, node: u32, level: u32) -> Vec<f64> {
+    fn totals_below(&self, node: u32, level: u32, totals: &mut Vec<f64>) {
         let log2 = self.arena.log2_res() - level;
         let side = 1 << log2;
-        let mut totals = vec![0.0; if self.arena.rank() == Rank::Four { side * side } else { side }];
-        self.add_totals(node, log2, 0, side, &mut totals);
-        totals
+        totals.clear();
+        totals.resize(if self.arena.rank() == Rank::Four { side * side } else { side }, 0.0);
+        self.add_totals(node, log2, 0, side, totals);
     }
 }

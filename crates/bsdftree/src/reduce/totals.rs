@@ -29,13 +29,13 @@ pub(super) fn kept(
             return any;
         }
         let wanted = guard.wanted(excess);
-        if wanted.is_empty() {
+        if wanted.cuts.is_empty() {
             return any;
         }
         any = true;
-        for (node, at, difference) in wanted {
+        for &Cut { node, at, first, .. } in &wanted.cuts {
             guard.is_cut[node as usize] = false;
-            at.add(&difference, -1.0, &mut differences);
+            at.add(&wanted.changes[first..], -1.0, &mut differences);
             guard.over_cuts(Slot::link(node), at.level, at.cell, None, &mut |_, at, difference| {
                 at.add(difference, 1.0, &mut differences);
             });
@@ -107,8 +107,21 @@ impl At {
     }
 }
 
-/// A cut: the node, where it is, and by how much it changes the total of each of its incident cells.
-type Cut = (u32, At, Vec<f64>);
+/// A cut: the node, where it is, and where it begins to be said by how much it changes the total of each of its incident cells.
+#[derive(Clone, Copy)]
+struct Cut {
+    score: f64,
+    node: u32,
+    at: At,
+    first: usize,
+}
+
+/// Some of them, and how they change totals, one after the other.
+#[derive(Default)]
+struct Cuts {
+    cuts: Vec<Cut>,
+    changes: Vec<f64>,
+}
 
 struct Guard<'a, S> {
     source: &'a S,
@@ -134,19 +147,38 @@ impl<S: Source> Guard<'_, S> {
         wanted: Option<&[f64]>,
         f: &mut impl FnMut(u32, At, &[f64]),
     ) {
-        let Content::Node(node) = slot.content() else { return };
+        if let Content::Node(node) = slot.content() {
+            self.over_cuts_in(node, level, cell, wanted, &mut Vec::new(), f);
+        }
+    }
+
+    /// The same in a node, with room for differences.
+    fn over_cuts_in(
+        &self,
+        node: u32,
+        level: u32,
+        cell: [u32; 2],
+        wanted: Option<&[f64]>,
+        difference: &mut Vec<f64>,
+        f: &mut impl FnMut(u32, At, &[f64]),
+    ) {
         let at = self.at(level, cell);
         if wanted.is_some_and(|wanted| at.indices().all(|k| wanted[k] == 0.0)) {
             return;
         }
         if self.is_cut[node as usize] {
             let mean = f64::from(self.means[node as usize]) * leaf_area(level);
-            let mut difference = self.source.totals_below(node, level);
+            self.source.totals_below(node, level, difference);
             difference.iter_mut().for_each(|d| *d = mean - *d);
-            return f(node, at, &difference);
+            return f(node, at, difference);
+        }
+        if self.source.nodes_below(node).is_empty() {
+            return;
         }
         for (k, child) in self.children(node) {
-            self.over_cuts(child, level + 1, self.below(cell, k), wanted, f);
+            if let Content::Node(child) = child.content() {
+                self.over_cuts_in(child, level + 1, self.below(cell, k), wanted, difference, f);
+            }
         }
     }
 
@@ -164,27 +196,27 @@ impl<S: Source> Guard<'_, S> {
     }
 
     /// The cuts that make most of the excess, as many as remove it.
-    fn wanted(&self, mut excess: Vec<f64>) -> Vec<Cut> {
-        let mut cuts: Vec<(f64, Cut)> = Vec::new();
+    fn wanted(&self, mut excess: Vec<f64>) -> Cuts {
+        let Cuts { mut cuts, mut changes } = Cuts::default();
         self.over_cuts(self.source.root(), 0, [0; 2], Some(&excess), &mut |node, at, difference| {
             let excessive = at.indices().zip(difference).filter(|&(k, _)| excess[k] != 0.0);
             let score: f64 = excessive.map(|(k, d)| d * excess[k].signum()).sum();
             if score > 0.0 {
-                cuts.push((score, (node, at, difference.to_vec())));
+                cuts.push(Cut { score, node, at, first: changes.len() });
+                changes.extend_from_slice(difference);
             }
         });
-        cuts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut wanted = Vec::new();
-        for (_, (node, at, difference)) in cuts {
-            let helps = at.indices().zip(&difference).any(|(k, d)| d * excess[k] > 0.0);
+        cuts.sort_by(|a, b| b.score.total_cmp(&a.score));
+        cuts.retain(|&Cut { at, first, .. }| {
+            let helps = at.indices().zip(&changes[first..]).any(|(k, d)| d * excess[k] > 0.0);
             if helps {
-                for (k, d) in at.indices().zip(&difference) {
+                for (k, d) in at.indices().zip(&changes[first..]) {
                     let left = excess[k] - d;
                     excess[k] = if left * excess[k] > 0.0 { left } else { 0.0 };
                 }
-                wanted.push((node, at, difference));
             }
-        }
-        wanted
+            helps
+        });
+        Cuts { cuts, changes }
     }
 }
