@@ -33,9 +33,10 @@ pub(super) fn kept(
             return any;
         }
         any = true;
-        for &Cut { node, at, first, .. } in &wanted.cuts {
+        for cut in &wanted.cuts {
+            let (node, at) = (cut.node, guard.at(cut.level, cut.cell));
             guard.is_cut[node as usize] = false;
-            at.add(&wanted.changes[first..], -1.0, &mut differences);
+            at.add(wanted.of(cut), -1.0, &mut differences);
             guard.over_cuts(Slot::link(node), at.level, at.cell, None, &mut |_, at, difference| {
                 at.add(difference, 1.0, &mut differences);
             });
@@ -107,13 +108,14 @@ impl At {
     }
 }
 
-/// A cut: the node, where it is, and where it begins to be said by how much it changes the total of each of its incident cells.
-#[derive(Clone, Copy)]
+/// A cut: the node, where it is, and where it begins to be said by how much it changes the total of each of its incident cells. There may
+/// be as many as leaves, so they are small.
 struct Cut {
     score: f64,
     node: u32,
-    at: At,
-    first: usize,
+    level: u32,
+    cell: [u32; 2],
+    first: u32,
 }
 
 /// Some of them, and how they change totals, one after the other.
@@ -121,6 +123,13 @@ struct Cut {
 struct Cuts {
     cuts: Vec<Cut>,
     changes: Vec<f64>,
+}
+
+impl Cuts {
+    /// How one changes totals, and what follows.
+    fn of(&self, cut: &Cut) -> &[f64] {
+        &self.changes[cut.first as usize..]
+    }
 }
 
 struct Guard<'a, S> {
@@ -197,26 +206,31 @@ impl<S: Source> Guard<'_, S> {
 
     /// The cuts that make most of the excess, as many as remove it.
     fn wanted(&self, mut excess: Vec<f64>) -> Cuts {
-        let Cuts { mut cuts, mut changes } = Cuts::default();
+        let mut found = Cuts::default();
         self.over_cuts(self.source.root(), 0, [0; 2], Some(&excess), &mut |node, at, difference| {
             let excessive = at.indices().zip(difference).filter(|&(k, _)| excess[k] != 0.0);
             let score: f64 = excessive.map(|(k, d)| d * excess[k].signum()).sum();
             if score > 0.0 {
-                cuts.push(Cut { score, node, at, first: changes.len() });
-                changes.extend_from_slice(difference);
+                let first =
+                    u32::try_from(found.changes.len()).expect("fewer than incident cells of all leaves");
+                found.cuts.push(Cut { score, node, level: at.level, cell: at.cell, first });
+                found.changes.extend_from_slice(difference);
             }
         });
-        cuts.sort_by(|a, b| b.score.total_cmp(&a.score));
-        cuts.retain(|&Cut { at, first, .. }| {
-            let helps = at.indices().zip(&changes[first..]).any(|(k, d)| d * excess[k] > 0.0);
+        let mut cuts = std::mem::take(&mut found.cuts);
+        cuts.sort_unstable_by(|a, b| b.score.total_cmp(&a.score).then(a.first.cmp(&b.first)));
+        cuts.retain(|cut| {
+            let changes = || self.at(cut.level, cut.cell).indices().zip(found.of(cut));
+            let helps = changes().any(|(k, d)| d * excess[k] > 0.0);
             if helps {
-                for (k, d) in at.indices().zip(&changes[first..]) {
+                for (k, d) in changes() {
                     let left = excess[k] - d;
                     excess[k] = if left * excess[k] > 0.0 { left } else { 0.0 };
                 }
             }
             helps
         });
-        Cuts { cuts, changes }
+        found.cuts = cuts;
+        found
     }
 }
