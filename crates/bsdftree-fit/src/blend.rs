@@ -2,7 +2,8 @@
 //!
 //! f(i,o) = Π_k (f_k(o_k) + ε)^w_k − ε, where o_k is o moved to the incident direction of scan k. With `split`, what is below 1.5 times
 //! the median of a scan is its base, which is blended at fixed directions, and the rest is moved. The half-vector frame blends
-//! f·cos θ_i·cos θ_o.
+//! f·cos θ_i·cos θ_o. Where scans go on beyond their outermost points as they are there, so do cosines: else f·cos θ_o would dip there,
+//! and what is divided by it rise.
 
 use std::sync::Arc;
 
@@ -19,6 +20,9 @@ use crate::residual::Blended;
 
 /// ε in units of the mean BSDF.
 const EPSILON: f64 = 3e-3;
+
+/// Cosines are held below this one at most, of scans that end well above the horizon: that of 70°.
+const MOST_COSINE: f32 = 0.34;
 
 /// The base of a scan in units of its median.
 const BASE: f32 = 1.5;
@@ -54,6 +58,7 @@ pub(crate) struct Logs {
     logs: Vec<Raster>,
     bases: Vec<Raster>,
     epsilon: f32,
+    least: f32,
 }
 
 /// Scans made ready for one recipe, one channel.
@@ -75,13 +80,14 @@ impl Logs {
             scans.iter().map(|s| s.totals[channel] / std::f64::consts::PI).sum::<f64>() / scans.len() as f64;
         let epsilon = (EPSILON * mean).max(1e-12) as f32;
         let half = recipe.frame == Frame::Half;
+        let least = least_cosine(scans);
         let level = |scan: &Gridded| if recipe.split { BASE * median(&scan.rasters[channel]) } else { 0.0 };
         let log = |scan: &Gridded| {
             let base = level(scan);
-            let cosine = if half { scan.incident[2].max(LEAST_COSINE) } else { 1.0 };
+            let cosine = if half { held(scan.incident[2], least) } else { 1.0 };
             scan.rasters[channel].map(|d, v| {
                 let rest = (v - base).max(0.0);
-                let rest = if half { rest * cosine * d[2].max(LEAST_COSINE) } else { rest };
+                let rest = if half { rest * cosine * held(d[2], least) } else { rest };
                 (rest + epsilon).ln()
             })
         };
@@ -107,7 +113,7 @@ impl Logs {
         let incidents = scans.iter().map(|s| s.incident).collect();
         let groups = scans.iter().map(|s| s.group).collect();
         let totals = scans.iter().map(|s| s.totals[channel]).collect();
-        Ok(Logs { incidents, groups, line, tracks, totals, logs, bases, epsilon })
+        Ok(Logs { incidents, groups, line, tracks, totals, logs, bases, epsilon, least })
     }
 }
 
@@ -163,9 +169,9 @@ impl Layers {
             }
         };
         let total = total.clamp(0.0, 1.0);
-        let cosine = if half { Some(incident[2].max(LEAST_COSINE)) } else { None };
+        let cosines = half.then(|| (held(incident[2], logs.least), logs.least));
         let apart = (1.0 - weights.iter().map(|(_, w)| w * w).sum::<f64>()).clamp(0.0, 1.0) as f32;
-        Slice { moved, bases, cosine, total, apart }
+        Slice { moved, bases, cosines, total, apart }
     }
 
     /// The value of one pair, and the scan of the largest weight with the point where that is looked up. Lobes are not followed.
@@ -182,7 +188,7 @@ impl Layers {
         }
         let mut rest = (sum.exp() - logs.epsilon).max(0.0);
         if self.recipe.frame == Frame::Half {
-            rest /= incident[2].max(LEAST_COSINE) * o[2].max(LEAST_COSINE);
+            rest /= held(incident[2], logs.least) * held(o[2], logs.least);
         }
         let point = lambert::point(o);
         let base: f32 = match self.recipe.split {
@@ -259,7 +265,8 @@ struct Moved<'a> {
 pub(crate) struct Slice<'a> {
     moved: Vec<Moved<'a>>,
     bases: Vec<(f32, &'a Raster)>,
-    cosine: Option<f32>,
+    /// That of the incident direction, and the least.
+    cosines: Option<(f32, f32)>,
     /// The directional-hemispherical total that scans foresee, in [0, 1].
     pub total: f64,
     /// How far from a scan it is: 1 − Σw², 0 at a scan.
@@ -323,9 +330,24 @@ impl Slice<'_> {
                 self.bases.iter().map(|(weight, raster)| weight * raster.at(point)).sum()
             }
         };
-        let rest = self.cosine.map_or(rest, |cosine| rest / (cosine * o[2].max(LEAST_COSINE)));
+        let rest = self.cosines.map_or(rest, |(cosine, least)| rest / (cosine * held(o[2], least)));
         base.max(0.0) + rest
     }
+}
+
+/// A cosine that does not fall below `least`, without the kink that pixels could not follow.
+#[inline(always)]
+fn held(cosine: f32, least: f32) -> f32 {
+    let apart = cosine - least;
+    0.5 * (cosine + least + (apart * apart + least * least / 16.0).sqrt())
+}
+
+/// The cosine down to which most scans reach, at least [`LEAST_COSINE`].
+fn least_cosine(scans: &[Gridded]) -> f32 {
+    let lowest = |scan: &Gridded| scan.exitant.iter().map(|o| o[2]).fold(1f32, f32::min);
+    let mut lowest: Vec<f32> = scans.iter().map(lowest).collect();
+    let middle = lowest.len() / 2;
+    lowest.select_nth_unstable_by(middle, f32::total_cmp).1.clamp(LEAST_COSINE, MOST_COSINE)
 }
 
 fn median(raster: &Raster) -> f32 {

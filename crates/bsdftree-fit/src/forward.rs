@@ -13,6 +13,9 @@ use crate::scales::{Sample, Scales};
 /// Pixels of an edge over which slices are summed.
 const N_SUMMED: usize = 128;
 
+/// Smaller weights are left out of a [`Place`], which is asked for one pair and averaged with what is known otherwise.
+const LEAST_WEIGHT: f64 = 0.01;
+
 /// What scans say, each forward: the way that light went.
 #[derive(Debug)]
 pub(crate) struct Forward {
@@ -88,8 +91,11 @@ impl Forward {
 
     /// What is known of an incident direction by some of the scans.
     pub fn place_by(&self, incidence: &Incidence, channel: usize, incident: Ray) -> Place {
-        let (weights, outside) = incidence.weights(incident);
+        let (mut weights, outside) = incidence.weights(incident);
         let apart = apart(&weights);
+        weights.retain(|(_, w)| w.abs() > LEAST_WEIGHT);
+        let sum: f64 = weights.iter().map(|(_, w)| w).sum();
+        weights.iter_mut().for_each(|(_, w)| *w /= sum);
         let scale = self.scale(channel, incident, apart, outside);
         Place { weights, scale, apart, outside: outside as f32 }
     }

@@ -19,6 +19,9 @@ use crate::residual::Blended;
 /// How many times worse than the mean over a scan an extrapolated value may be: it is the dim parts that are off most.
 const BEYOND: f32 = 2.0;
 
+/// An estimate whose variance is as many times that of the other counts for nothing: it is not looked up.
+const ENOUGH: f32 = 100.0;
+
 /// Neither estimate counts for nothing.
 const LEAST_VARIANCE: f32 = 1e-6;
 
@@ -75,10 +78,14 @@ impl Back<'_> {
         o: Ray,
         there: &Place,
     ) -> Estimates {
-        let turn = if self.line { forward::turn(o) } else { [1.0, 0.0] };
-        let (value, (k, point)) = self.layers.value(turned(o, turn), &there.weights, turned(incident, turn));
         let doubt = slice.nearest(o).map_or(0.0, |(k, point)| scans[k].doubt.at(point));
         let forward = variance(self, slice.apart, outside, doubt, true);
+        let least = variance(self, there.apart, there.outside, 0.0, false);
+        if least > ENOUGH * forward {
+            return Estimates { swapped: 0.0, share: 1.0 };
+        }
+        let turn = if self.line { forward::turn(o) } else { [1.0, 0.0] };
+        let (value, (k, point)) = self.layers.value(turned(o, turn), &there.weights, turned(incident, turn));
         let doubt = self.scans[k].doubt.at(point);
         let swapped = variance(self, there.apart, there.outside, doubt, false);
         Estimates { swapped: value * there.scale, share: swapped / (forward + swapped) }
