@@ -36,7 +36,7 @@ pub struct Recipe {
     pub blend: Blend,
     /// Whether the base stays and only the rest moves.
     pub split: bool,
-    /// Whether pairs are averaged with swapped pairs ([`crate::swapped`]).
+    /// Whether pairs are averaged with swapped pairs, f(i,o) with f(o,i).
     pub reciprocal: bool,
 }
 
