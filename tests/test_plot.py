@@ -20,7 +20,7 @@ from bsdftree import Bsdf, Tree, direction_from_polar, plot
 from bsdftree.cli import main
 from bsdftree.plot._image import hemisphere_image, matrix_image
 from bsdftree.plot._parts import SIDES, diffuse_total, is_black
-from bsdftree.plot._slice import step_curve
+from bsdftree.plot._curve import step_curve
 from bsdftree.plot._style import ZERO, Scale, round_limits
 
 REAL_FILES = sorted(str(p.relative_to(DATA)) for p in DATA.glob("*/*.xml")) or ["none"]
@@ -75,7 +75,7 @@ def blinds() -> Bsdf:
 @pytest.mark.parametrize("part", list(SIDES))
 def test_pixels_of_rank_4_are_values_at_cell_centres(part: str, rng: np.random.Generator) -> None:
     bsdf = Bsdf.from_trees({part: Tree.from_grid(rng.random((4, 4, 4, 4)))})
-    assert np.array_equal(plot.whole_image(bsdf, part), expected_mosaic(bsdf, part, 4, 4))
+    assert np.array_equal(plot.mosaic_image(bsdf, part), expected_mosaic(bsdf, part, 4, 4))
 
 
 @pytest.mark.parametrize("part", list(SIDES))
@@ -83,7 +83,7 @@ def test_tiles_of_rank_3_are_polar_angles_in_reading_order(part: str, rng: np.ra
     n, columns, rows = 16, 4, 2
     bsdf = Bsdf.from_trees({part: Tree.from_grid(rng.random((n, n, n)))})
     sides = SIDES[part]
-    image = plot.whole_image(bsdf, part)
+    image = plot.mosaic_image(bsdf, part)
     assert image.shape == (rows * n, columns * n)
     exitant = np.array(
         [[square_direction((c + 0.5) / n, (r + 0.5) / n, sides.exitant) for c in range(n)] for r in range(n)]
@@ -102,14 +102,14 @@ def test_mosaic_of_a_klems_matrix_is_eval_at_cell_centres() -> None:
     off = (i != j) & (i != 7 - j)
     off_both = np.kron(off, np.ones((8, 8), bool)) & np.tile(off, (8, 8))
     for part in SIDES:
-        image = plot.whole_image(bsdf, part, log2_res=3, max_px=64)
+        image = plot.mosaic_image(bsdf, part, log2_res=3, max_px=64)
         assert np.array_equal(image[off_both], expected_mosaic(bsdf, part, 8, 8)[off_both])
         assert np.ptp(image[off_both]) > 0.0
 
 
 def test_mirrored_light_keeps_the_place_of_its_tile(mirror: Bsdf) -> None:
     n = 8
-    tiles = plot.whole_image(mirror, "reflection_back").reshape(n, n, n, n).transpose(0, 2, 1, 3)
+    tiles = plot.mosaic_image(mirror, "reflection_back").reshape(n, n, n, n).transpose(0, 2, 1, 3)
     for row in range(n):
         for column in range(n):
             peak = np.unravel_index(tiles[row, column].argmax(), (n, n))
@@ -119,18 +119,18 @@ def test_mirrored_light_keeps_the_place_of_its_tile(mirror: Bsdf) -> None:
 def test_mirrored_light_of_rank_3_moves_right_from_the_centre() -> None:
     n, columns = 16, 4
     bsdf = bsdftree.generate("mirror:reflectance=0.9", rank=3, log2_res=4, samples=64)
-    image = plot.whole_image(bsdf, "reflection_back")
+    image = plot.mosaic_image(bsdf, "reflection_back")
     tiles = image.reshape(2, n, columns, n).transpose(0, 2, 1, 3).reshape(-1, n, n)
     assert [int(tile.max(axis=0).argmax()) for tile in tiles] == list(range(n // 2, n))
 
 
 def test_light_from_above_is_at_the_bottom(blinds: Bsdf) -> None:
     # A positive angle raises the edge at the room: light from above passes outwards and is stopped inwards.
-    outwards, inwards = (plot.whole_image(blinds, part) for part in ("transmission_back", "transmission_front"))
+    outwards, inwards = (plot.mosaic_image(blinds, part) for part in ("transmission_back", "transmission_front"))
     half = len(outwards) // 2
     assert outwards[half:].mean() > 2.0 * outwards[:half].mean()
     assert inwards[:half].mean() > 2.0 * inwards[half:].mean()
-    (axes, *_) = plot.whole(blinds, part="transmission_back").axes
+    (axes, *_) = plot.mosaic(blinds, part="transmission_back").axes
     places = {text.get_text(): text.get_position() for text in axes.texts}
     assert places["light from above, heading down"][1] < 0.0 < 1.0 < places["light from below, heading up"][1]
 
@@ -138,7 +138,7 @@ def test_light_from_above_is_at_the_bottom(blinds: Bsdf) -> None:
 def test_coarser_pixels_are_means(rng: np.random.Generator) -> None:
     grid = rng.random((8, 8, 8, 8)).astype(np.float32)
     bsdf = Bsdf.from_trees({"reflection_back": Tree.from_grid(grid)})
-    image = plot.whole_image(bsdf, "reflection_back", log2_res=1, max_px=8)
+    image = plot.mosaic_image(bsdf, "reflection_back", log2_res=1, max_px=8)
     assert image.shape == (8, 8)
     # Bottom left: incident x and y in the lower half, exitant x and y in the lowest quarter.
     assert image[-1, 0] == pytest.approx(float(grid[:4, :4, :2, :2].mean(dtype=np.float64)), rel=1e-6)
@@ -148,11 +148,11 @@ def test_coarser_pixels_are_means(rng: np.random.Generator) -> None:
 def test_too_many_tiles_are_refused() -> None:
     bsdf = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.arange(256.0).reshape(4, 4, 4, 4))})
     with pytest.raises(ValueError, match="smaller log2_res"):
-        plot.whole_image(bsdf, "reflection_back", max_px=2)
+        plot.mosaic_image(bsdf, "reflection_back", max_px=2)
     with pytest.raises(ValueError, match="the BSDF has reflection_back"):
-        plot.whole_image(bsdf, "reflection_front")
+        plot.mosaic_image(bsdf, "reflection_front")
     with pytest.raises(ValueError, match="no band 'Solar'"):
-        plot.whole_image(bsdf, "reflection_back", band="Solar")
+        plot.mosaic_image(bsdf, "reflection_back", band="Solar")
 
 
 def test_matrix_runs_incident_right_and_exitant_down() -> None:
@@ -182,7 +182,7 @@ def test_zero_has_its_own_colour_and_the_share_of_the_picture_that_is_black() ->
     grid = np.full((2, 2, 2, 2), 0.3)
     grid[:, 0] = 0.0  # nothing of light that heads down
     bsdf = Bsdf.from_trees({"reflection_back": Tree.from_grid(grid)})
-    figure = plot.whole(bsdf)
+    figure = plot.mosaic(bsdf)
     pixels = np.round(matplotlib.image.imread(png(figure))[..., :3] * 255)
     box = figure.axes[0].get_window_extent()
     height = pixels.shape[0]
@@ -243,17 +243,17 @@ def test_mirrored_light_leaves_a_slice_at_the_incident_angle(mirror: Bsdf) -> No
 
 def test_polar_refuses_what_it_cannot_draw(blinds: Bsdf) -> None:
     with pytest.raises(ValueError, match="from 0 to 180"):
-        plot.polar(blinds, theta_deg=[-10.0])
+        plot.slice(blinds, theta_deg=[-10.0])
     with pytest.raises(ValueError, match="'log' or 'linear'"):
-        plot.polar(blinds, radius="cubic")  # type: ignore[arg-type]
+        plot.slice(blinds, radius="cubic")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="one unit vector"):
-        plot.hemisphere(blinds, np.zeros(3))
+        plot.polar(blinds, np.zeros(3))
 
 
 def test_titles_have_the_diffuse_total() -> None:
     white = Bsdf.from_trees({"reflection_back": Tree.from_grid(np.full((1, 1, 1, 1), 0.8 / np.pi))})
     assert diffuse_total(white, "reflection_back", "Visible") == pytest.approx(0.8, rel=1e-6)
-    assert plot.whole(white).axes[0].get_title(loc="left") == "Reflection back: room → room, 80.00 %"
+    assert plot.mosaic(white).axes[0].get_title(loc="left") == "Reflection back: room → room, 80.00 %"
 
 
 def test_unused_half_of_rank_3_does_not_make_it_bright() -> None:
@@ -276,12 +276,12 @@ def test_overview_names_black_components_and_draws_the_others(mirror: Bsdf) -> N
 
 def test_all_black_bsdf_is_drawn() -> None:
     black = Bsdf.from_trees({part: Tree.from_grid(np.zeros((1,) * 4)) for part in SIDES})
-    for figure in (plot.overview(black), plot.whole(black), plot.polar(black), plot.hemisphere(black, [0, 0, 1])):
+    for figure in (plot.overview(black), plot.mosaic(black), plot.slice(black), plot.polar(black, [0, 0, 1])):
         assert matplotlib.image.imread(png(figure))[..., :3].std() > 0.02
 
 
 def test_notebooks_show_figures(mirror: Bsdf) -> None:
-    assert plot.whole(mirror)._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
+    assert plot.mosaic(mirror)._repr_png_().startswith(b"\x89PNG")  # type: ignore[attr-defined]
 
 
 def test_pyplot_stays_unloaded() -> None:
@@ -306,7 +306,7 @@ def test_same_bytes_each_time(ending: str, mirror: Bsdf, tmp_path: Path) -> None
 def test_failed_write_keeps_the_old_file(tmp_path: Path, mirror: Bsdf, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "a.png"
     target.write_bytes(b"old")
-    figure = plot.polar(mirror)
+    figure = plot.slice(mirror)
 
     def fail(path: Path, **_: object) -> None:
         path.write_bytes(b"half")
@@ -320,7 +320,7 @@ def test_failed_write_keeps_the_old_file(tmp_path: Path, mirror: Bsdf, monkeypat
 
 def test_unknown_ending_is_refused(tmp_path: Path, mirror: Bsdf) -> None:
     with pytest.raises(ValueError, match=r"expected \.png, \.svg or \.pdf"):
-        plot.save(plot.polar(mirror), tmp_path / "a.bmp")
+        plot.save(plot.slice(mirror), tmp_path / "a.bmp")
 
 
 @pytest.mark.skipif(REAL_FILES == ["none"], reason=NO_DATA)

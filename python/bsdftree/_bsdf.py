@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from bsdftree import _core
 from bsdftree._component import COMPONENTS, Array, Matrix, Tree, wrapped
 from bsdftree._conversions import Conversions
-from bsdftree._queries import Queries
+from bsdftree._notebook import Shown
 
 
-class Bsdf(Queries, Conversions):
+class Bsdf(Shown, Conversions):
     """A BSDF: up to four components in one or more spectral bands.
 
     All queries take arrays of unit vectors of shape (..., 3), broadcast against each other, and are thread-

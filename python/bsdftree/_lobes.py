@@ -171,7 +171,7 @@ def save_lobes(
         solids = [("light", _pyramid(vector))]
         for side, f in zip(sides, of_sides, strict=True):
             what = "reflection" if side * vector[2] > 0 else "transmission"
-            solids.append((what, lobe_solid(_radii(f, top, radius), side)))
+            solids.append((what, lobe_solid(lobe_radii(f, top, radius), side)))
         for what, solid in solids:
             if len(solid.faces):
                 lines.append(f"o {what}_{theta:g}_{phi:g}\nusemtl {what}")
@@ -182,13 +182,15 @@ def save_lobes(
     return top
 
 
-def _radii(values: Array, top: float, radius: str) -> Array:
+def lobe_radii(values: Array, top: float, radius: str, decades: float = DECADES) -> Array:
+    """Distances from the middle of values, 1 for the largest of all, ``top``; ``radius`` is log or linear."""
     if top == 0.0:
         return values
     if radius == "linear":
         return values / top
     # Values below all decades are in the middle.
-    return 1 + np.log10(np.maximum(values / top, 10.0**-DECADES)) / DECADES
+    radii: Array = 1 + np.log10(np.maximum(values / top, 10.0**-decades)) / decades
+    return radii
 
 
 def _face(numbers: list[int]) -> str:

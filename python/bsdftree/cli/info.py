@@ -12,6 +12,7 @@ from bsdftree import Bsdf, PeakFamily, Tree, errors_by_flux, polar_from_directio
 from bsdftree._queries import Part
 from bsdftree._totals import mean_total, totals_by_azimuth
 from bsdftree.cli._common import json_option, print_json, read, repair_option, stdout, table, with_input_errors
+from bsdftree.cli._info_charts import can_chart, leaves_chart, totals_chart
 
 _PARTS: tuple[Part, ...] = ("reflection", "transmission")
 _THETAS_DEG = (0, 15, 30, 45, 60, 75)
@@ -52,6 +53,8 @@ def info(
 ) -> None:
     """Say what is in BSDF files: size, components, resolution, reflectance and transmittance.
 
+    On a terminal with small charts; in a pipe, with NO_COLOR or TERM=dumb, plain.
+
     \b
     Examples:
       bsdftree info blinds.xml
@@ -73,7 +76,7 @@ def info(
             _add_errors(summary, bsdf, errors_file, repair)
         summaries.append(summary)
         if not as_json:
-            show(summary)
+            show(summary, bsdf)
     if as_json:
         print_json(summaries if len(summaries) > 1 else summaries[0])
 
@@ -243,8 +246,21 @@ What to do: straight peaks come out sharp with Radiance's aBSDF in place of BSDF
 (--log2-res), or put the mirror or prism itself into the scene where glare and sun patches matter."""
 
 
-def show(summary: dict[str, Any]) -> None:
-    """Print a summary for people."""
+def _show_charts(bsdf: Bsdf, band: str) -> None:
+    """Print what a terminal shows beside the tables."""
+    charts = {
+        "Reflectance and transmittance by incident angle, mean over azimuth": totals_chart(bsdf, band),
+        "Leaves by depth (cells per axis)": leaves_chart(bsdf, band),
+    }
+    for title, lines in charts.items():
+        if lines:
+            stdout.print(f"\n{title}", style="bold", highlight=False, markup=False)
+            for line in lines:
+                stdout.print(line, highlight=False, markup=False)
+
+
+def show(summary: dict[str, Any], bsdf: Bsdf) -> None:
+    """Print a summary for people: with charts on a terminal."""
     if summary["file"]:
         stdout.print(f"[bold]{summary['file']}[/bold]  {summary['file_bytes']:,} bytes", highlight=False)
     size = " × ".join("?" if summary[k] is None else f"{summary[k]:.4g}" for k in ("width", "height", "thickness"))
@@ -277,6 +293,8 @@ def show(summary: dict[str, Any]) -> None:
             values = [t["hemispherical"], *t["by_theta_deg"].values()]
             totals.add_row(side, t["part"], *(f"{100 * v:.2f} %" for v in values))
         stdout.print(totals)
+        if can_chart(stdout):
+            _show_charts(bsdf, band["band"])
         if "peaks" in band:
             _show_peaks(band["peaks"])
     if any(band.get("peaks") for band in summary["bands"]):

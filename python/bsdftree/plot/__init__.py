@@ -1,8 +1,8 @@
-"""Pictures of a BSDF: the whole of it at once, polar slices, one hemisphere, and an overview of all.
+"""Pictures of a BSDF: all of it at once, polar maps, lobes, slices, totals, matrices, statistics, comparisons.
 
-Every function takes a :class:`bsdftree.Bsdf` and returns a matplotlib Figure that belongs to no window and no pyplot
-state; notebooks show it, :func:`save` writes it. Colours and radii are BSDF values [1/sr] without cosine unless said
-otherwise. Everything is drawn as seen from the room: X to the right, Y up.
+Every function takes a :class:`bsdftree.Bsdf` (:func:`compare` takes two) and returns a matplotlib Figure that belongs
+to no window and no pyplot state; notebooks show it, :func:`save` writes it. Colours and radii are BSDF values [1/sr]
+without cosine unless said otherwise. Everything is drawn as seen from the room: X to the right, Y up.
 
 >>> from bsdftree import Bsdf, Tree, plot
 >>> white = Bsdf.from_trees({"reflection_back": Tree.from_grid([[[[0.25]]]])})
@@ -17,13 +17,34 @@ except ModuleNotFoundError as _missing:
         name="matplotlib",
     ) from _missing
 
+from bsdftree.plot._compare import compare
 from bsdftree.plot._fit import fit
-from bsdftree.plot._hemisphere import hemisphere
-from bsdftree.plot._image import whole_image
+from bsdftree.plot._hemispherical import hemispherical
+from bsdftree.plot._image import mosaic_image
+from bsdftree.plot._klems import klems
+from bsdftree.plot._lobes import lobes
 from bsdftree.plot._measurement import measurement
+from bsdftree.plot._mosaic import mosaic
 from bsdftree.plot._overview import overview
 from bsdftree.plot._polar import polar
+from bsdftree.plot._slice import slice
+from bsdftree.plot._stats import stats
 from bsdftree.plot._style import save
-from bsdftree.plot._whole import whole
+from bsdftree.plot._thumbnail import thumbnail
 
-__all__ = ["fit", "hemisphere", "measurement", "overview", "polar", "save", "whole", "whole_image"]
+__all__ = [
+    "compare",
+    "fit",
+    "hemispherical",
+    "klems",
+    "lobes",
+    "measurement",
+    "mosaic",
+    "mosaic_image",
+    "overview",
+    "polar",
+    "save",
+    "slice",
+    "stats",
+    "thumbnail",
+]

@@ -25,7 +25,7 @@ _LOG2_GRID = 24
 _LOG2_KLEMS = 5
 
 
-class Mosaic(NamedTuple):
+class Tiles(NamedTuple):
     """Tiles, one for each incident cell.
 
     ``theta_deg`` are the bounds of the incident polar angle of each tile in reading order, for rank 3 only.
@@ -37,7 +37,7 @@ class Mosaic(NamedTuple):
     theta_deg: list[tuple[float, float]] | None
 
 
-def whole_image(
+def mosaic_image(
     bsdf: Bsdf, part: str, *, band: str | None = None, log2_res: int | None = None, max_px: int = 2048
 ) -> Array:
     """All values of a component as one mosaic: a tile for each incident cell, in it all exitant cells.
@@ -68,11 +68,11 @@ def whole_image(
     """
     band = band_of(bsdf, band)
     (part,) = parts_of(bsdf, part, band)
-    return mosaic(bsdf, part, band, log2_res, max_px).pixels
+    return tiles_of(bsdf, part, band, log2_res, max_px).pixels
 
 
-def mosaic(bsdf: Bsdf, part: str, band: str, log2_res: int | None, max_px: int) -> Mosaic:
-    """:func:`whole_image` with what is needed to label it."""
+def tiles_of(bsdf: Bsdf, part: str, band: str, log2_res: int | None, max_px: int) -> Tiles:
+    """:func:`mosaic_image` with what is needed to label it."""
     component = bsdf.components_of(band)[part]
     depth = component.depth if isinstance(component, Tree) else _LOG2_KLEMS
     rank = component.rank if isinstance(component, Tree) else 4
@@ -89,28 +89,28 @@ def mosaic(bsdf: Bsdf, part: str, band: str, log2_res: int | None, max_px: int) 
     return _mosaic_of_tree(component, log2_incident, log2_exitant)
 
 
-def _mosaic_of_tree(tree: Tree, log2_incident: int, log2_exitant: int) -> Mosaic:
+def _mosaic_of_tree(tree: Tree, log2_incident: int, log2_exitant: int) -> Tiles:
     grid = tree.to_grid(max(log2_incident, log2_exitant)).astype(np.float64)
     n, m = 1 << log2_incident, 1 << log2_exitant
     if tree.rank == 4:
-        return Mosaic(_rank4_pixels(_means(grid, (n, n, m, m))), n, n, None)
+        return Tiles(_rank4_pixels(_means(grid, (n, n, m, m))), n, n, None)
     tiles = _means(grid, (n, m, m))[: n // 2][::-1]  # from normal to grazing
     columns = 1 << (log2_incident // 2)
     rows = n // 2 // columns
     # (tile row, tile column, exitant x, exitant y) to rows from the top and columns.
     pixels = tiles.reshape(rows, columns, m, m)[..., ::-1].transpose(0, 3, 1, 2).reshape(rows * m, columns * m)
     edges = np.degrees(np.arcsin(np.linspace(0.0, 1.0, n // 2 + 1)))
-    return Mosaic(pixels, columns, rows, [(float(a), float(b)) for a, b in pairwise(edges)])
+    return Tiles(pixels, columns, rows, [(float(a), float(b)) for a, b in pairwise(edges)])
 
 
-def _mosaic_of_matrix(bsdf: Bsdf, part: str, band: str, log2_incident: int, log2_exitant: int) -> Mosaic:
+def _mosaic_of_matrix(bsdf: Bsdf, part: str, band: str, log2_incident: int, log2_exitant: int) -> Tiles:
     n, m = 1 << log2_incident, 1 << log2_exitant
     sides = SIDES[part]
     heading_in, heading_out = ((np.arange(k) + 0.5) / k for k in (n, m))
     incident = -direction_from_square(heading_in[:, None], heading_in, -sides.incident)
     exitant = direction_from_square(heading_out[:, None], heading_out, sides.exitant)
     values = bsdf.eval(incident[:, :, None, None], exitant, band=band)
-    return Mosaic(_rank4_pixels(values), n, n, None)
+    return Tiles(_rank4_pixels(values), n, n, None)
 
 
 def _rank4_pixels(grid: Array) -> Array:

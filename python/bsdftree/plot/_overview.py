@@ -9,10 +9,10 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter
 
 from bsdftree import Bsdf, Matrix, Tree, direction_from_polar
+from bsdftree.plot._mosaic import draw_panel, legend_of, panel_of
 from bsdftree.plot._parts import OUTSIDE, ROOM, band_of, is_black, parts_of, scatters
-from bsdftree.plot._polar import FROM_OUTSIDE, FROM_ROOM, draw_polar
-from bsdftree.plot._style import INK, Picture, Scale, figure
-from bsdftree.plot._whole import draw_panel, legend_of, whole_panel
+from bsdftree.plot._slice import FROM_OUTSIDE, FROM_ROOM, draw_slice
+from bsdftree.plot._style import INK, OUTSIDE_COLOR, ROOM_COLOR, Picture, Scale, figure, line_axes
 
 # All in pixels.
 _WIDTH = 1600
@@ -46,7 +46,7 @@ def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -
 
     See Also
     --------
-    bsdftree.plot.whole, bsdftree.plot.polar, bsdftree.plot.hemisphere
+    bsdftree.plot.mosaic, bsdftree.plot.slice, bsdftree.plot.polar
     """
     band = band_of(bsdf, band)
     components = bsdf.components_of(band)
@@ -60,7 +60,7 @@ def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -
     edge = (_WIDTH - 2 * _MARGIN - _BAR - (max(n, 2) - 1) * _GAP) / max(n, 2)
     beside = n == 1
     panels = [
-        whole_panel(bsdf, p, band, log2_res=_log2_res(components[p], edge), max_px=1 << (int(edge).bit_length() - 1))
+        panel_of(bsdf, p, band, log2_res=_log2_res(components[p], edge), max_px=1 << (int(edge).bit_length() - 1))
         for p in shown
     ]
     scale = Scale.of([p.pixels for p in panels])
@@ -96,7 +96,7 @@ def overview(bsdf: Bsdf, *, title: str | None = None, band: str | None = None) -
         box = (x, y, polar_edge, polar_edge)
         axes = picture.add_axes(_fractions(box, height), projection="polar")
         assert isinstance(axes, PolarAxes)
-        draw_polar(axes, bsdf, FROM_ROOM if side == ROOM else FROM_OUTSIDE, [90.0] * 3, band)
+        draw_slice(axes, bsdf, FROM_ROOM if side == ROOM else FROM_OUTSIDE, [90.0] * 3, band)
     _draw_totals(picture.add_axes(_fractions(totals_box, height)), bsdf, sides, band)
     return picture
 
@@ -136,7 +136,7 @@ def _draw_totals(axes: Axes, bsdf: Bsdf, sides: list[float], band: str) -> None:
     highest = 0.0
     for side in sides:
         incident = direction_from_polar(angle, 90.0) * [1.0, 1.0, side]
-        name, color, width = ("room", "#2f6db5", 2.6) if side == ROOM else ("outside", "#c0492b", 1.3)
+        name, color, width = ("room", ROOM_COLOR, 2.6) if side == ROOM else ("outside", OUTSIDE_COLOR, 1.3)
         for kind, line in (("reflection", "-"), ("transmission", "--")):
             totals = 100.0 * bsdf.hemispherical(incident, kind, band=band)  # type: ignore[arg-type]
             highest = max(highest, float(totals.max()))
@@ -150,10 +150,7 @@ def _draw_totals(axes: Axes, bsdf: Bsdf, sides: list[float], band: str) -> None:
     axes.set_title(
         "Reflectance and transmittance by incident angle", fontsize=11, color=INK, loc="left", pad=10 + 17 * len(sides)
     )
-    axes.grid(color="#e4e4e4", linewidth=0.7)
-    axes.tick_params(labelsize=9, colors=INK)
-    for spine in axes.spines.values():
-        spine.set_color("#bbbbbb")
+    line_axes(axes)
     axes.legend(
         fontsize=9, frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(-0.01, 0.985), handlelength=1.8,
         columnspacing=1.0, borderpad=0.2,

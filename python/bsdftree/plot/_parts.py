@@ -1,43 +1,14 @@
-"""Components and bands by name: which sides they join, which of them a file has, how much light they scatter."""
+"""Components and bands by name: which of them a file has, how much light they scatter."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from bsdftree import Bsdf, Matrix, Tree
-from bsdftree._queries import Part
+from bsdftree._sides import OUTSIDE as OUTSIDE
+from bsdftree._sides import ROOM as ROOM
+from bsdftree._sides import SIDES as SIDES
 from bsdftree._totals import mean_total
-
-Array = NDArray[np.float64]
-ROOM, OUTSIDE = 1.0, -1.0
-
-
-class Sides(NamedTuple):
-    """Sign of z of the incident and of the exitant direction of a component."""
-
-    incident: float
-    exitant: float
-
-    @property
-    def kind(self) -> Part:
-        """``"reflection"`` or ``"transmission"``."""
-        return "reflection" if self.incident == self.exitant else "transmission"
-
-    def __str__(self) -> str:
-        name = {ROOM: "room", OUTSIDE: "outside"}
-        return f"{name[self.incident]} → {name[self.exitant]}"
-
-
-# WINDOW's names, in which the front is outside.
-SIDES = {
-    "reflection_back": Sides(ROOM, ROOM),
-    "transmission_back": Sides(ROOM, OUTSIDE),
-    "reflection_front": Sides(OUTSIDE, OUTSIDE),
-    "transmission_front": Sides(OUTSIDE, ROOM),
-}
 
 
 def band_of(bsdf: Bsdf, band: str | None) -> str:
@@ -57,6 +28,12 @@ def parts_of(bsdf: Bsdf, part: str | None, band: str) -> list[str]:
     if part not in there:
         raise ValueError(f"no component {part!r} in band {band}; the BSDF has {', '.join(there)}")
     return [part]
+
+
+def heading_of(bsdf: Bsdf, band: str, title: str | None) -> str:
+    """The title given or the product's name, with the band where there are several."""
+    text = bsdf.name if title is None else title
+    return text if len(bsdf.bands) < 2 else f"{text}  ({band})".strip()
 
 
 def is_black(component: Tree | Matrix) -> bool:

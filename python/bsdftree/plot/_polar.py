@@ -1,162 +1,204 @@
-"""Goniometric diagrams: polar slices in the plane of incidence."""
+"""Polar maps: all exitant directions of an incident direction, as two disks."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Literal
+import textwrap
 
-import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
-from matplotlib.projections.polar import PolarAxes
 from numpy.typing import ArrayLike, NDArray
 
-from bsdftree import Bsdf
-from bsdftree.plot._parts import ROOM, band_of, scatters
-from bsdftree.plot._slice import step_curve
-from bsdftree.plot._style import FAINT, INK, figure, round_limits
+from bsdftree import Bsdf, direction_from_polar, polar_from_direction
+from bsdftree._queries import Part
+from bsdftree.plot._image import hemisphere_image
+from bsdftree.plot._parts import OUTSIDE, ROOM, band_of, heading_of, scatters
+from bsdftree.plot._style import INK, Scale, bare, figure
 
 Array = NDArray[np.float64]
-Quantity = Literal["bsdf", "intensity"]
-Radius = Literal["log", "linear"]
-FROM_ROOM = (0.0, 30.0, 60.0)
-FROM_OUTSIDE = (180.0, 150.0, 120.0)
-_DECADES = 4
-_UP_DEG = 90.0
+_THETA_DEG = np.array([0.0, 30.0, 60.0])
+# Pixels of a small disk.
+_SMALL = 250
 
 
 def polar(
     bsdf: Bsdf,
+    incident: ArrayLike | None = None,
     *,
-    theta_deg: ArrayLike | None = None,
-    phi_deg: ArrayLike = _UP_DEG,
     band: str | None = None,
-    quantity: Quantity = "bsdf",
-    radius: Radius = "log",
+    limits: tuple[float, float] | None = None,
+    colors: str = "viridis",
     title: str | None = None,
 ) -> Figure:
-    """Draw slices in the plane of incidence for several incident directions.
+    """Draw polar maps of where light from some directions goes: a disk of exitant directions for each side.
 
-    The surface lies across the middle, the room above, outside below. Light comes from the left, so that mirrored
-    light leaves to the right. Curves are steps: the BSDF is constant over each cell, and the edges of cells are found
-    exactly. Where the plane itself runs along an edge between cells, the upper cell counts.
+    The disks are orthographic (a direction's x and y, so equal areas are equal projected solid angles) and both as
+    seen from the room, X to the right and Y up. A circle marks where the light comes from, on its side; a cross marks
+    straight on and mirrored.
 
     Parameters
     ----------
     bsdf
         Trees or Klems matrices.
-    theta_deg
-        Incident polar angles from +Z [degree]; over 90 is light from outside. 0, 30 and 60 by default, or 180, 150
-        and 120 if nothing becomes of light from the room.
-    phi_deg
-        Azimuth from which the light comes [degree], counter-clockwise from +X; one, or one for each angle. 90 is from
-        above.
+    incident
+        Unit vector away from the surface, (3,), for two large disks; (n, 3) for a column of two disks each. By default
+        0, 30 and 60 degrees from above, from each side from which light is scattered.
     band
         Spectral band; ``Visible`` or the only one by default.
-    quantity
-        ``"bsdf"`` [1/sr], or ``"intensity"``: BSDF × cos θ, so that areas compare with flux.
-    radius
-        ``"log"``: four to five decades at most, smaller values at the centre; or ``"linear"``.
+    limits
+        Smallest and largest value [1/sr] of the colour scale; by default round numbers around the values.
+    colors
+        Name of a matplotlib colour map. Zero is dark grey in all of them.
     title
         Heading; the name of the product by default.
 
     Raises
     ------
     ValueError
-        If there is no such band, angles do not pair up, or an option is not one of those above.
+        If ``incident`` is not of vectors with a direction, or there is no such band.
     """
     band = band_of(bsdf, band)
-    if theta_deg is None:
-        theta_deg = FROM_ROOM if scatters(bsdf, ROOM, band) else FROM_OUTSIDE
-    theta, phi = (np.ravel(a) for a in np.broadcast_arrays(np.asarray(theta_deg, float), np.asarray(phi_deg, float)))
-    if not (np.isfinite(phi).all() and ((theta >= 0.0) & (theta <= 180.0)).all()):
-        raise ValueError(f"incident angles {theta.tolist()}, {phi.tolist()}; expected θ from 0 to 180 degrees")
-    picture = figure(1100, 960)
-    axes = picture.add_axes((240 / 1100, 70 / 960, 740 / 1100, 740 / 960), projection="polar")
-    assert isinstance(axes, PolarAxes)
-    draw_polar(axes, bsdf, theta.tolist(), phi.tolist(), band, quantity, radius)
-    heading = bsdf.name if title is None else title
-    text = f"{heading}  ({band})" if len(bsdf.bands) > 1 else heading
-    picture.text(0.03, 0.97, text, fontsize=15, va="center", color=INK)
+    vectors = unit_vectors(default_incident(bsdf, band) if incident is None else incident)
+    heading = heading_of(bsdf, band, title)
+    if vectors.ndim == 1:
+        return _large(bsdf, vectors, band, limits, colors, heading)
+    return _many(bsdf, vectors, band, limits, colors, heading)
+
+
+def default_incident(bsdf: Bsdf, band: str) -> Array:
+    """From above, from each side that matters."""
+    sides = [side for side in (ROOM, OUTSIDE) if scatters(bsdf, side, band)] or [ROOM]
+    return np.concatenate([direction_from_polar(_THETA_DEG, 90.0) * [1.0, 1.0, side] for side in sides])
+
+
+def unit_vectors(incident: ArrayLike) -> Array:
+    """One direction (3,) or several (n, 3), as unit vectors."""
+    vectors = np.asarray(incident, float)
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    if vectors.shape[-1:] != (3,) or vectors.ndim > 2 or not (np.isfinite(lengths).all() and lengths.all()):
+        raise ValueError(f"incident is {np.asarray(incident).tolist()}; expected unit vectors away from the surface")
+    return np.asarray(vectors / lengths, float)
+
+
+def _large(
+    bsdf: Bsdf, vector: Array, band: str, limits: tuple[float, float] | None, colors: str, heading: str
+) -> Figure:
+    """Two large disks."""
+    images = [hemisphere_image(bsdf, vector, side, band, 700) for side in (ROOM, OUTSIDE)]
+    scale = Scale.of(images, limits, colors)
+    picture = figure(1640, 880)
+    for k, (image, side, name) in enumerate(zip(images, (ROOM, OUTSIDE), ("room", "outside"), strict=True)):
+        kind = "reflection" if side * vector[2] > 0.0 else "transmission"
+        axes = picture.add_axes(((40 + 750 * k) / 1640, 50 / 880, 720 / 1640, 720 / 880))
+        _draw_disk(axes, image, scale, vector, side)
+        total = float(bsdf.hemispherical(vector, kind, band=band))  # type: ignore[arg-type]
+        axes.text(-1.1, 1.12, f"To the {name}: {kind} {100.0 * total:.2f} %", fontsize=13, color=INK, va="bottom")
+    legend = "Seen from the room.  ○ where the light comes from   × straight on, or mirrored"
+    picture.text(30 / 1640, 22 / 880, legend, fontsize=10, va="center", color=INK)
+    text = f"{heading}   light from {angles(vector)}".strip()
+    picture.text(30 / 1640, 1.0 - 34 / 880, text, fontsize=15, va="center", color=INK)
+    scale.bar(picture, (1545 / 1640, 110 / 880, 22 / 1640, 600 / 880))
     return picture
 
 
-def draw_polar(
-    axes: PolarAxes,
-    bsdf: Bsdf,
-    theta_deg: Sequence[float],
-    phi_deg: Sequence[float],
-    band: str,
-    quantity: Quantity = "bsdf",
-    radius: Radius = "log",
-) -> None:
-    """Draw the diagram into polar axes."""
-    if quantity not in ("bsdf", "intensity") or radius not in ("log", "linear"):
-        raise ValueError(f"{quantity!r}, {radius!r}; expected 'bsdf' or 'intensity', and 'log' or 'linear'")
-    curves = [step_curve(bsdf, t, p, band) for t, p in zip(theta_deg, phi_deg, strict=True)]
-    if quantity == "intensity":
-        curves = [(angle, f * np.abs(np.cos(np.radians(angle)))) for angle, f in curves]
-    to_radius, end, ticks, labels = _radii(np.concatenate([f for _, f in curves]), radius)
-    axes.set_theta_zero_location("N")
-    axes.set_theta_direction(-1)
-    axes.set_ylim(0.0, end)
-    colors = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.8, max(len(curves), 2)))
-    # Where curves coincide, those beneath show at the edges.
-    widths = iter(np.linspace(2.8, 1.3, len(curves)))
-    for (angle, f), theta, phi, color in zip(curves, theta_deg, phi_deg, colors, strict=False):
+def angles(vector: Array) -> str:
+    """θ, φ and side of a direction, in words."""
+    theta, phi = polar_from_direction(vector)
+    # At a normal azimuth means nothing.
+    azimuth = "" if np.hypot(vector[0], vector[1]) < 1e-6 else f", φ {phi:.4g}°"
+    return f"θ {theta:.4g}°{azimuth} ({'room' if vector[2] > 0.0 else 'outside'})"
+
+
+def _many(
+    bsdf: Bsdf, vectors: Array, band: str, limits: tuple[float, float] | None, colors: str, heading: str
+) -> Figure:
+    """A column of two small disks for each direction, at most six columns beside each other."""
+    images = [[hemisphere_image(bsdf, v, side, band, 2 * _SMALL) for side in (ROOM, OUTSIDE)] for v in vectors]
+    scale = Scale.of([image for both in images for image in both], limits, colors)
+    columns = min(len(vectors), 6)
+    rows = -(-len(vectors) // columns)
+    block = 2 * _SMALL + 106
+    width, height = max(70 + columns * (_SMALL + 14) + 120, 760), 66 + rows * block + 24
+    picture = figure(width, height)
+    picture.text(30 / width, 1.0 - 30 / height, heading, fontsize=15, va="center", color=INK)
+    for k, (vector, both) in enumerate(zip(vectors, images, strict=True)):
+        x, top = 62 + (k % columns) * (_SMALL + 14), 66 + (k // columns) * block
+        at = (x + 0.5 * _SMALL) / width
+        picture.text(at, 1 - (top + 8) / height, f"from {angles(vector)}", fontsize=11, ha="center", color=INK)
+        for row, (image, side, name) in enumerate(zip(both, (ROOM, OUTSIDE), ("room", "outside"), strict=True)):
+            y = top + 20 + row * (_SMALL + 34)
+            axes = picture.add_axes((x / width, 1 - (y + _SMALL) / height, _SMALL / width, _SMALL / height))
+            draw_map(axes, image, scale, vector, side)
+            kind: Part = "reflection" if side * vector[2] > 0.0 else "transmission"
+            total = float(bsdf.hemispherical(vector, kind, band=band))
+            text = f"{kind} {100.0 * total:.2f} %"
+            picture.text(at, 1 - (y + _SMALL + 12) / height, text, fontsize=9.5, ha="center", va="center", color=INK)
+            if k % columns == 0:
+                y_middle = 1 - (y + 0.5 * _SMALL) / height
+                picture.text(
+                    34 / width, y_middle, f"to the {name}", fontsize=11, rotation=90, ha="center", va="center",
+                    color=INK,
+                )  # fmt: skip
+    legend = (
+        "Seen from the room, X to the right, Y up; dashed: θ 30° and 60°.  ○ where the light comes from   "
+        "× straight on, or mirrored"
+    )
+    text = textwrap.fill(legend, int((width - 60) / 6.2))
+    picture.text(30 / width, 24 / height, text, fontsize=9.5, va="center", color=INK)
+    scale.bar(picture, ((width - 92) / width, 1 - (66 + 2 * _SMALL + 20) / height, 20 / width, (2 * _SMALL) / height))
+    return picture
+
+
+def draw_map(axes: Axes, image: Array, scale: Scale, incident: Array, side: float) -> None:
+    """A disk without words, for small pictures."""
+    scale.draw(axes, image, (-1, 1, -1, 1))
+    mark_map(axes, incident, side, "white", "black")
+
+
+def mark_map(axes: Axes, incident: Array, side: float, color: str, halo_color: str) -> None:
+    """Rim, polar angles, and where the light comes from and would go, over a disk."""
+    bare(axes)
+    axes.set_xlim(-1.03, 1.03)
+    axes.set_ylim(-1.03, 1.03)
+    axes.add_patch(Circle((0, 0), 1.0, fill=False, edgecolor=INK, linewidth=0.8))
+    for theta_deg in (30, 60):
+        r = float(np.sin(np.radians(theta_deg)))
+        axes.add_patch(Circle((0, 0), r, fill=False, edgecolor=color, linewidth=0.6, linestyle=(0, (5, 4))))
+    halo = [withStroke(linewidth=2.0, foreground=halo_color)]
+    x, y, z = incident
+    axes.plot(-x, -y, "x", color=color, markersize=6, markeredgewidth=1.3, path_effects=halo)
+    if side * z > 0.0:
         axes.plot(
-            np.radians(angle), to_radius(f), color=color, linewidth=next(widths), label=_name(theta, phi, phi_deg)
-        )
-        # Where the light comes from.
-        axes.annotate(
-            "", xy=(np.radians(-theta), 0.86 * end), xytext=(np.radians(-theta), 1.0 * end), annotation_clip=False,
-            arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0},
+            x, y, "o", markerfacecolor="none", markeredgecolor=color, markersize=8, markeredgewidth=1.3,
+            path_effects=halo,
         )  # fmt: skip
-    axes.plot(np.radians([-90, 90]), [end, end], color=INK, linewidth=1.6)
-    _label(axes, end, ticks, labels, phi_deg)
-    unit = "BSDF [1/sr]" if quantity == "bsdf" else "BSDF × cos θ [1/sr]"
-    axes.legend(
-        title=f"{unit}\nlight from", loc="upper right", bbox_to_anchor=(-0.03, 1.14), fontsize=9, title_fontsize=9,
-        alignment="left", frameon=False, handlelength=1.4, borderpad=0,
-    )  # fmt: skip
 
 
-def _name(theta_deg: float, phi_deg: float, all_phi_deg: Sequence[float]) -> str:
-    azimuth = f", φ {phi_deg:g}°" if len(set(all_phi_deg)) > 1 else ""
-    return f"θ {theta_deg:g}°{azimuth}"
-
-
-def _radii(values: Array, radius: Radius) -> tuple[Callable[[Array], Array], float, Array, list[str]]:
-    """The radius of a value, the radius of the rim, and ticks with their labels."""
-    if radius == "linear":
-        top = float(values.max()) or 1.0
-        step = 10.0 ** np.floor(np.log10(top))
-        step *= next(m for m in (0.2, 0.5, 1.0, 2.0) if top / (m * step) <= 5.0)
-        ticks = np.arange(1, int(np.ceil(top / step - 1e-9)) + 1) * step
-        return (lambda f: f), float(ticks[-1]), ticks, [f"{t:g}" for t in ticks]
-    low, high = round_limits(values, _DECADES)
-    end = float(np.log10(high / low))
-    decades = np.arange(1, int(end + 1e-6) + 1)
-    labels = [f"$10^{{{round(np.log10(low)) + d}}}$" for d in decades]
-    return (lambda f: np.log10(np.maximum(f, low) / low)), end, decades.astype(float), labels
-
-
-def _label(axes: PolarAxes, end: float, ticks: Array, labels: list[str], phi_deg: Sequence[float]) -> None:
-    angles = np.arange(-150, 181, 30)
-    names = {0: "room\n0°", 90: "", 180: "180°\noutside"}
-    axes.set_xticks(np.radians(angles % 360), [names.get(abs(a), f"{abs(a)}°") for a in angles.tolist()])
-    # Near the centre labels would cover each other.
-    labels = [label if tick > 0.25 * end else "" for tick, label in zip(ticks, labels, strict=True)]
-    axes.set_rgrids(ticks, labels, angle=84, fontsize=9, color=INK, ha="center")
-    for label in axes.get_yticklabels():
-        label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
-    axes.tick_params(axis="x", labelsize=9, colors=FAINT, pad=4)
-    axes.grid(color="#dddddd", linewidth=0.7)
-    axes.spines["polar"].set_color("#bbbbbb")
-    if len(set(phi_deg)) == 1:
-        azimuths = {0.0: "right", 90.0: "up", 180.0: "left", 270.0: "down"}
-        for angle, phi in ((-90, phi_deg[0] % 360), (90, (phi_deg[0] + 180) % 360)):
-            text = azimuths.get(round(phi, 6), f"φ {phi:g}°")
-            ha = "right" if angle < 0 else "left"
-            axes.text(np.radians(angle), 1.04 * end, text, fontsize=10, color=INK, ha=ha, va="center")
+def _draw_disk(axes: Axes, image: Array, scale: Scale, incident: Array, side: float) -> None:
+    scale.draw(axes, image, (-1, 1, -1, 1))
+    bare(axes)
+    axes.set_xlim(-1.16, 1.16)
+    axes.set_ylim(-1.16, 1.16)
+    halo = [withStroke(linewidth=2.2, foreground="black")]
+    axes.add_patch(Circle((0, 0), 1.0, fill=False, edgecolor=INK, linewidth=1.0))
+    for theta_deg in (30, 60):
+        r = float(np.sin(np.radians(theta_deg)))
+        axes.add_patch(Circle((0, 0), r, fill=False, edgecolor="white", linewidth=0.9, linestyle=(0, (5, 4))))
+        s = r * np.sqrt(0.5)
+        axes.text(s, s, f"{theta_deg}°", color="white", fontsize=10, ha="center", va="center", path_effects=halo)
+    for x, y, text, rotation in (
+        (1.07, 0, "φ 0°  right", 270),
+        (0, 1.07, "φ 90°  up ↑", 0),
+        (-1.07, 0, "φ 180°  left", 90),
+        (0, -1.07, "φ 270°  down", 0),
+    ):
+        axes.text(x, y, text, fontsize=10, color=INK, ha="center", va="center", rotation=rotation)
+    x, y, z = incident
+    axes.plot(-x, -y, "x", color="white", markersize=9, markeredgewidth=1.6, path_effects=halo)
+    if side * z > 0.0:
+        axes.plot(
+            x, y, "o", markerfacecolor="none", markeredgecolor="white", markersize=11, markeredgewidth=1.6,
+            path_effects=halo,
+        )  # fmt: skip

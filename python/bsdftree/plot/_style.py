@@ -1,4 +1,4 @@
-"""What the pictures share: colours on a logarithmic scale, a figure that notebooks show, files."""
+"""What the pictures share: colours, scales, axes, a figure that notebooks show, files."""
 
 from __future__ import annotations
 
@@ -25,6 +25,12 @@ Array = NDArray[np.float64]
 ZERO = "#1c1c1c"
 INK = "#333333"
 FAINT = "#8a8a8a"
+# M. Okabe and K. Ito's colours, which the colour-blind tell apart: blue, orange, green, vermilion.
+OKABE_ITO = ("#0072B2", "#E69F00", "#009E73", "#D55E00")
+VERMILION = OKABE_ITO[3]
+ROOM_COLOR, OUTSIDE_COLOR = OKABE_ITO[0], VERMILION
+# Blue below, white at none, red above.
+DIVERGING = "RdBu_r"
 FORMATS = ("png", "svg", "pdf")
 # Values fainter than this many decades below the brightest are drawn in the last colour.
 _DECADES = 5
@@ -104,6 +110,11 @@ class Scale(NamedTuple):
             low, high = round_limits(positive, _DECADES)
         return cls(low, high, colormap, bool(np.any(positive < low * (1.0 - 1e-5))))
 
+    def rgba(self, values: Array) -> Array:
+        """Colours of values, (..., 4)."""
+        seen = np.where(values > 0.0, np.maximum(values, self.low), 0.5 * self.low)
+        return np.asarray(self.colors(LogNorm(self.low, self.high)(seen)))
+
     def draw(self, axes: Axes, image: Array, extent: tuple[float, float, float, float]) -> AxesImage:
         """Draw an image. Pixels keep their edges."""
         seen = np.where(image > 0.0, np.maximum(image, self.low), np.where(np.isnan(image), np.nan, 0.5 * self.low))
@@ -161,3 +172,12 @@ def bare(axes: Axes) -> None:
     axes.yaxis.set_major_locator(NullLocator())
     for spine in axes.spines.values():
         spine.set_visible(False)
+
+
+def line_axes(axes: Axes) -> None:
+    """Grid, frame and ticks of curves and bars."""
+    axes.grid(color="#e4e4e4", linewidth=0.7)
+    axes.set_axisbelow(True)
+    axes.tick_params(labelsize=9, colors=INK)
+    for spine in axes.spines.values():
+        spine.set_color("#bbbbbb")

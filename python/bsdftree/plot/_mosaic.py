@@ -14,8 +14,8 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from bsdftree import Bsdf, Matrix
-from bsdftree.plot._image import Mosaic, matrix_image, mosaic
-from bsdftree.plot._parts import SIDES, band_of, diffuse_total, parts_of
+from bsdftree.plot._image import Tiles, matrix_image, tiles_of
+from bsdftree.plot._parts import SIDES, band_of, diffuse_total, heading_of, parts_of
 from bsdftree.plot._style import FAINT, INK, Scale, bare, figure
 
 Layout = Literal["mosaic", "matrix"]
@@ -40,11 +40,11 @@ LEGEND_MATRIX = (
 )
 
 
-class WholePanel(NamedTuple):
+class Panel(NamedTuple):
     """What one panel shows, before it has colours."""
 
     title: str
-    content: Mosaic | Matrix
+    content: Tiles | Matrix
     pixels: NDArray[np.float64]
 
     @property
@@ -60,27 +60,24 @@ class WholePanel(NamedTuple):
         return LEGEND_RANK4 if self.content.theta_deg is None else LEGEND_RANK3
 
 
-def whole_panel(
+def panel_of(
     bsdf: Bsdf, part: str, band: str, *, layout: Layout | None = None, log2_res: int | None = None, max_px: int
-) -> WholePanel:
-    """Collect the pixels of one component."""
+) -> Panel:
+    """Collect the pixels of one component; a matrix is drawn as such unless told otherwise."""
     component = bsdf.components_of(band)[part]
     name = part.replace("_", " ").capitalize()
     title = f"{name}: {SIDES[part]}, {100.0 * diffuse_total(bsdf, part, band):.2f} %"
     if isinstance(component, Matrix) and layout != "mosaic":
-        return WholePanel(title, component, matrix_image(component, max_px))
-    if layout == "matrix":
-        raise ValueError(f"{part} is a tensor tree; the layout 'matrix' is for Klems matrices")
-    tiles = mosaic(bsdf, part, band, log2_res, max_px)
-    return WholePanel(title, tiles, tiles.pixels)
+        return Panel(title, component, matrix_image(component, max_px))
+    tiles = tiles_of(bsdf, part, band, log2_res, max_px)
+    return Panel(title, tiles, tiles.pixels)
 
 
-def whole(
+def mosaic(
     bsdf: Bsdf,
     *,
     part: str | None = None,
     band: str | None = None,
-    layout: Layout | None = None,
     log2_res: int | None = None,
     limits: tuple[float, float] | None = None,
     colors: str = "viridis",
@@ -96,9 +93,6 @@ def whole(
         One component, e.g. ``"reflection_back"``; all that there are by default.
     band
         Spectral band; ``Visible`` or the only one by default.
-    layout
-        For Klems matrices: ``"matrix"``, incident patch to the right and exitant patch downwards (their default), or
-        ``"mosaic"`` as for trees.
     log2_res
         Up to 2^log2_res incident cells per axis, by default up to 2^5. Coarser cells are means.
     limits
@@ -121,11 +115,16 @@ def whole(
 
     Notes
     -----
-    Where the tree is finer than the picture, pixels are means. :func:`bsdftree.plot.whole_image` has the numbers.
+    Where the tree is finer than the picture, pixels are means. :func:`bsdftree.plot.mosaic_image` has the numbers.
     """
     band = band_of(bsdf, band)
     parts = parts_of(bsdf, part, band)
-    panels = [whole_panel(bsdf, p, band, layout=layout, log2_res=log2_res, max_px=_EDGE) for p in parts]
+    panels = [panel_of(bsdf, p, band, layout="mosaic", log2_res=log2_res, max_px=_EDGE) for p in parts]
+    return draw_panels(panels, heading_of(bsdf, band, title), limits, colors)
+
+
+def draw_panels(panels: list[Panel], heading: str, limits: tuple[float, float] | None, colors: str) -> Figure:
+    """One large panel, or rows of two, on one colour scale."""
     scale = Scale.of([p.pixels for p in panels], limits, colors)
     columns = 1 if len(panels) == 1 else 2
     rows = -(-len(panels) // columns)
@@ -135,10 +134,7 @@ def whole(
     width = left + columns * edge + (columns - 1) * gap + right
     height = top + rows * edge_y + (rows - 1) * gap + bottom
     picture = figure(width, height)
-    heading = bsdf.name if title is None else title
-    if heading or len(bsdf.bands) > 1:
-        text = heading if len(bsdf.bands) == 1 else f"{heading}  ({band})"
-        picture.text(left / width, 1.0 - 30 / height, text, fontsize=16, va="center", color=INK)
+    picture.text(left / width, 1.0 - 30 / height, heading, fontsize=16, va="center", color=INK)
     for k, panel in enumerate(panels):
         x = left + (k % columns) * (edge + gap)
         y = bottom + (rows - 1 - k // columns) * (edge_y + gap)
@@ -151,14 +147,14 @@ def whole(
     return picture
 
 
-def legend_of(panels: list[WholePanel], width_px: float) -> str:
+def legend_of(panels: list[Panel], width_px: float) -> str:
     """How to read some panels, in lines that fit in a width at 9.5 points."""
     characters = int(width_px / 6.4)
     lines = dict.fromkeys(line for panel in panels for line in panel.legend.split("\n"))
     return "\n".join(textwrap.fill(line, characters) for line in lines)
 
 
-def draw_panel(axes: Axes, panel: WholePanel, scale: Scale, font_size: float) -> None:
+def draw_panel(axes: Axes, panel: Panel, scale: Scale, font_size: float) -> None:
     """Draw one component with its title and what tells the directions."""
     axes.set_title(panel.title, fontsize=font_size, color=INK, pad=6 + font_size, loc="left")
     if isinstance(panel.content, Matrix):
@@ -200,7 +196,7 @@ def _annotate_square(axes: Axes, n: int, font_size: float) -> None:
         axes.text(x, y, text, transform=axes.transAxes, fontsize=small, ha=ha, va=va, rotation=rotation, color=INK)
 
 
-def _annotate_polar_angles(axes: Axes, tiles: Mosaic, font_size: float) -> None:
+def _annotate_polar_angles(axes: Axes, tiles: Tiles, font_size: float) -> None:
     assert tiles.theta_deg is not None
     halo = [withStroke(linewidth=2.0, foreground="black")]
     for k, (lower, upper) in enumerate(tiles.theta_deg):
