@@ -7,7 +7,7 @@ VERSION = $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 # Everything that makes the extension module out of date.
 SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate bench-fit devices-report stack-report install-c docs clean
+.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate bench-fit devices-report stack-report install-c gallery docs clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -72,6 +72,9 @@ devices-report: setup ## Devices of every kind beside Radiance, patch by patch, 
 
 stack-report: setup ## Stacks beside tracing all layers, by resolution and gap, for docs/stack.md; 10 minutes
 	$(BIN)/python -m benches.stack
+
+gallery: setup ## Draw the pictures of docs/gallery.md
+	$(BIN)/python docs/gallery.py
 
 docs: ## API documentation of the crates, in target/doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

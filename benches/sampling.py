@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 import bsdftree
 from bsdftree import Bsdf, direction_from_polar
-from bsdftree.plot._image import hemisphere_image
 from bsdftree.plot._curve import step_curve
+from bsdftree.plot._image import hemisphere_image
 from bsdftree.plot._style import FAINT, INK, figure, save
 
 Array = NDArray[np.float64]

@@ -18,8 +18,8 @@ from bsdftree._totals import totals_by_azimuth
 
 _UP = " ▁▂▃▄▅▆▇█"
 _RIGHT = " ▏▎▍▌▋▊▉█"
-# Two columns for each five degrees, up to 85.
-_THETA_DEG = np.arange(0.0, 90.0, 2.5) + 1.25
+# A column for every three degrees.
+_THETA_DEG = np.arange(0.0, 90.0, 3.0) + 1.5
 _BAR = 10
 
 
@@ -59,12 +59,12 @@ def totals_chart(bsdf: Bsdf, band: str) -> list[str]:
         return []
     highest = max(float(curve.max()) for curve in curves.values())
     lines = [
-        f"{key:<18} {SIDES[key]!s:<17} {upright(curve, highest)} {100 * curve.min():5.1f}..{100 * curve.max():.1f} %"
+        f"{key:<18} {SIDES[key]!s:<17} {upright(curve, highest)} {100 * curve.min():4.1f}..{100 * curve.max():4.1f} %"
         for key, curve in curves.items()
     ]
     n = len(_THETA_DEG)
     axis = "0°" + "45°".center(n - 5) + "90°"
-    return [*lines, " " * 37 + axis + f"  full: {100 * highest:.1f} %"]
+    return [*lines, " " * 37 + axis + f" full: {100 * highest:.1f} %"]
 
 
 def leaves_chart(bsdf: Bsdf, band: str) -> list[str]:

@@ -27,14 +27,14 @@ _DISK, _STEP, _LEFT, _TOP, _ROW, _BAR = 280, 296, 56, 84, 300, 96
 # The ratio is drawn from a tenth to ten times.
 _RATIO = 10.0
 # Polar angles at which totals are compared [degree].
-_THETA_DEG = (0, 15, 30, 45, 60, 75)
+_THETA_DEG = np.arange(0.0, 90.0, 5.0)
 
 
 class Difference(NamedTuple):
     """How far a component of one BSDF is from that of another.
 
     ``relative_l1`` is ∫|a - b| / ∫a over all pairs of directions, NaN if either is absent from its file; totals are of
-    evenly diffuse light; ``worst_total`` is the largest difference b - a of directional-hemispherical totals and
+    evenly diffuse light; ``worst_total`` is the largest difference b - a of totals of directions (every 5 by 22.5 degrees) and
     ``theta_deg`` the polar angle where.
     """
 
@@ -182,7 +182,7 @@ def _bar(
 
 def _write_table(picture: Picture, table: list[Difference], width: float, height: float) -> None:
     columns = (24, 330, 470, 600, 730, 960)
-    head = ("component", "relative L1", "diffuse A", "diffuse B", "B − A, diffuse", "largest B − A of any total")
+    head = ("component", "relative L1", "diffuse A", "diffuse B", "B − A, diffuse", "largest B − A by direction")
     lines = [head]
     for d in table:
         l1 = "–" if np.isnan(d.relative_l1) else f"{100 * d.relative_l1:.2f} %"

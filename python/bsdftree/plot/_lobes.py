@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable
 
 import numpy as np
@@ -90,6 +91,7 @@ def lobes(
     text = (
         f"Distance from the middle: {how}, the rim is {top:.3g} /sr. Room above, outside below; X right, Y to the back."
     )
+    text = textwrap.fill(text, int((width - 40) / 7.4))
     picture.text(30 / width, 20 / height, text, fontsize=9.5, va="center", color=INK)
     return picture
 
@@ -135,7 +137,7 @@ def _draw(
         # Thousands of faces would make drawings of lines huge.
         solids.set_rasterized(True)
         axes.add_collection3d(solids)
-    x, y, z = 1.1 * incident
+    x, y, z = 0.98 * incident
     axes.plot([0, x], [0, y], [0, z], color=VERMILION, linewidth=1.8, zorder=10)
     for at, text in (((1.15, 0, 0), "X"), ((0, 1.15, 0), "Y"), ((0, 0, 0.98 if incident[2] < 0.6 else -0.98), "Z")):
         axes.text(*at, text if at[2] >= 0 else "−Z", fontsize=9, color=INK, ha="center", va="center")

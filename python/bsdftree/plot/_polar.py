@@ -145,7 +145,7 @@ def _many(
         "Seen from the room, X to the right, Y up; dashed: θ 30° and 60°.  ○ where the light comes from   "
         "× straight on, or mirrored"
     )
-    text = textwrap.fill(legend, int((width - 60) / 6.2))
+    text = textwrap.fill(legend, int((width - 60) / 7.0))
     picture.text(30 / width, 24 / height, text, fontsize=9.5, va="center", color=INK)
     scale.bar(picture, ((width - 92) / width, 1 - (66 + 2 * _SMALL + 20) / height, 20 / width, (2 * _SMALL) / height))
     return picture

@@ -24,7 +24,7 @@ def thumbnail(bsdf: Bsdf, *, band: str | None = None) -> Figure:
     parts = parts_of(bsdf, None, band) if bsdf.bands else []
     tiles = [tiles_of(bsdf, part, band, 3, 256) for part in parts]
     scale = Scale.of([t.pixels for t in tiles])
-    width, height = 10 + max(len(parts), 1) * (_EDGE + 10) + 74, _EDGE + 36
+    width, height = 10 + max(len(parts), 1) * (_EDGE + 10) + 96, _EDGE + 36
     picture = figure(width, height)
     for k, (part, mosaic) in enumerate(zip(parts, tiles, strict=True)):
         x = 10 + k * (_EDGE + 10)
@@ -35,5 +35,5 @@ def thumbnail(bsdf: Bsdf, *, band: str | None = None) -> Figure:
         kind = SIDES[part].kind
         text = f"{kind}: {SIDES[part]}"
         picture.text(x / width, 1 - 13 / height, text, fontsize=8, va="center", color=INK)
-    scale.bar(picture, ((width - 66) / width, 8 / height, 12 / width, (_EDGE - 16) / height))
+    scale.bar(picture, ((width - 68) / width, 8 / height, 12 / width, (_EDGE - 16) / height))
     return picture
