@@ -366,6 +366,7 @@ def test_command_draws_every_kind(options: list[str], mirror_file: str, tmp_path
 @pytest.mark.parametrize(
     ("options", "code", "message"),
     [
+        (["--kind", "lobes", "--incident", "190", "0"], 2, "expected θ from 0 to 180"),
         (["--kind", "compare"], 2, "--kind compare takes two files, not 1"),
         (["--part", "reflection_back"], 2, "--part is for --kind mosaic, hemispherical, klems, stats, not overview"),
         (["--kind", "stats", "--part", "reflection_front", "--band", "Visible"], 0, "wrote"),

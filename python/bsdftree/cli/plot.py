@@ -101,6 +101,8 @@ def plot(
     for name, value in given.items():
         if value and kind not in _ONLY_FOR[name]:
             raise click.UsageError(f"--{name} is for --kind {', '.join(_ONLY_FOR[name])}, not {kind}")
+    if any(not 0.0 <= theta <= 180.0 for theta, _ in incident):
+        raise click.UsageError("--incident THETA PHI: expected θ from 0 to 180 degrees")
     if len(files) != (2 if kind == "compare" else 1):
         n = {2: "two files"}.get(2 if kind == "compare" else 1, "one file")
         raise click.UsageError(f"--kind {kind} takes {n}, not {len(files)}")

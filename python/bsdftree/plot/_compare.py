@@ -34,8 +34,8 @@ class Difference(NamedTuple):
     """How far a component of one BSDF is from that of another.
 
     ``relative_l1`` is ∫|a - b| / ∫a over all pairs of directions, NaN if either is absent from its file; totals are of
-    evenly diffuse light; ``worst_total`` is the largest difference b - a of totals of directions (every 5 by 22.5 degrees) and
-    ``theta_deg`` the polar angle where.
+    evenly diffuse light; ``worst_total`` is the largest difference b - a of totals by direction (every 5 by 22.5
+    degrees) and ``theta_deg`` the polar angle where.
     """
 
     part: str
@@ -151,10 +151,10 @@ def compare(
 
 
 def _difference_norm(apart: list[Array], scale: Scale) -> Normalize:
-    """Logarithmic on both sides of nothing, three decades each."""
+    """Logarithmic on both sides of nothing, four decades each."""
     most = max(float(np.nanmax(np.abs(delta))) for delta in apart)
     _, high = round_limits(np.array([most]), 1) if most > 0.0 else (0.0, scale.high)
-    return SymLogNorm(1e-3 * high, linscale=0.5, vmin=-high, vmax=high)
+    return SymLogNorm(1e-4 * high, linscale=0.5, vmin=-high, vmax=high)
 
 
 def _draw(axes: Axes, image: Array, norm: Normalize, colors: Colormap, incident: Array, side: float) -> None:
@@ -172,7 +172,7 @@ def _bar(
     if isinstance(norm, LogNorm):
         bar.set_ticks([1 / high, 0.5, 1, 2, high], labels=[f"≤ {1 / high:g}", "0.5", "1", "2", f"≥ {high:g}"])
     else:
-        steps = [high, 1e-1 * high, 1e-2 * high]
+        steps = [high, 1e-1 * high, 1e-2 * high, 1e-3 * high]
         ticks = [*(-s for s in steps), 0.0, *reversed(steps)]
         bar.set_ticks(ticks, labels=[f"{t:.0e}".replace("e-0", "e-").replace("e+0", "e") if t else "0" for t in ticks])
     bar.ax.minorticks_off()

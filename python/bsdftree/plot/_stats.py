@@ -73,7 +73,9 @@ def _facts(component: Tree | Matrix, cells: Cells) -> str:
 
 def _labels(axes: Axes, cells: Cells, y_label: str) -> None:
     labels = [f"${label}$" if "^" in label else label for label in cells.labels]
-    axes.set_xticks(range(len(labels)), labels, fontsize=9 if len(labels) < 9 else 6.5)
+    axes.set_xticks(range(len(labels)), labels, fontsize=9)
+    if cells.kind != "depth":
+        axes.tick_params(axis="x", labelrotation=30, labelsize=8, pad=1)
     axes.set_xlim(-0.6, max(len(labels), 4) - 0.4)
     per_axis = "cells per axis (2^depth)" if cells.kind == "depth" else "exitant ring, polar angle [degree]"
     axes.set_xlabel(per_axis, fontsize=9.5, color=INK)
