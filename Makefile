@@ -7,7 +7,7 @@ VERSION = $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 # Everything that makes the extension module out of date.
 SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate bench-fit devices-report stack-report install-c gallery docs clean
+.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate bench-fit devices-report stack-report install-c gallery web web-core web-test docs clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -75,6 +75,19 @@ stack-report: setup ## Stacks beside tracing all layers, by resolution and gap, 
 
 gallery: setup ## Draw the pictures of docs/gallery.md
 	$(BIN)/python docs/gallery.py
+
+web-core: ## The core for browsers, web/src/core.wasm
+	web/core.sh
+
+web: web-core web/node_modules ## The viewer, in web/dist
+	cd web && npm run --silent build
+
+web-test: web ## The viewer in a real browser; CHROMIUM names it, else /usr/bin/chromium
+	cd web && npm run --silent test
+
+web/node_modules: web/package-lock.json
+	cd web && npm ci --silent --no-fund --no-audit
+	touch $@
 
 docs: ## API documentation of the crates, in target/doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

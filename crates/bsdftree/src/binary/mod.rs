@@ -6,7 +6,7 @@
 //! smaller and read as a whole. Memory stays within a multiple of the file, and what a file claims is never believed.
 //!
 //! The order of steps is `bytes` (numbers and text), `predict` (leaves by others), `head` (what the file says of itself), `values` (trees
-//! and matrices), `read` and `write`.
+//! and matrices), `read` and `write`; `zstandard` packs.
 
 mod bytes;
 mod error;
@@ -15,6 +15,7 @@ mod head;
 mod read;
 mod values;
 mod write;
+mod zstandard;
 
 pub use error::{BinaryError, BinaryFault};
 pub use read::{open, read};

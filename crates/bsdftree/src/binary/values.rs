@@ -4,7 +4,6 @@
 //! for links, whose order says where they lead, and then its leaves, or what they differ by from predictions. Values of a matrix are
 //! the same either way. Packed bytes are compressed with Zstandard.
 
-use std::io::{self, Read};
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
@@ -12,6 +11,7 @@ use bytemuck::Zeroable;
 use super::error::BinaryError;
 use super::head::{Form, Kind};
 use super::predict::restore;
+use super::zstandard::unpacked;
 use super::{FREE_VALUES, MOST_GROWTH};
 use crate::klems::{Basis, Matrix};
 use crate::shared::{Map, Shared, Stretch};
@@ -246,20 +246,4 @@ pub(super) fn planes(dense: &[u8], n_masks: usize) -> Vec<u8> {
     let mut out = masks.to_vec();
     (0..4).for_each(|plane| out.extend(numbers.iter().skip(plane).step_by(4)));
     out
-}
-
-/// Packs bytes at a level from 1 to 22.
-pub(super) fn packed(bytes: &[u8], level: i32) -> io::Result<Vec<u8>> {
-    zstd::bulk::compress(bytes, level)
-}
-
-/// Exactly `length` bytes out of packed ones; memory grows with what is really there.
-pub(super) fn unpacked(bytes: &[u8], length: usize) -> io::Result<Vec<u8>> {
-    let mut out = Vec::new();
-    zstd::stream::read::Decoder::with_buffer(bytes)?.take(length as u64 + 1).read_to_end(&mut out)?;
-    match out.len() == length {
-        true => Ok(out),
-        false if out.len() > length => Err(io::Error::other(format!("more than {length} bytes"))),
-        false => Err(io::Error::other(format!("only {} bytes", out.len()))),
-    }
 }

@@ -1,0 +1,112 @@
+// The Rust core: one WebAssembly instance for each file that is open, so that closing a file gives its memory back. What is asked is said in
+// crates/bsdftree-wasm; nothing is looked up here. Arrays are copies: the core's memory changes with the next call.
+
+import coreUrl from "./core.wasm?url";
+
+/** A unit vector away from the surface, the incident one too; +Z is the room. */
+export type Direction = readonly [number, number, number];
+
+/** A component as the core sums it up; values in 1/sr. */
+export interface Component {
+  part: string;
+  incident_front: boolean;
+  exitant_front: boolean;
+  structure: string;
+  form: {
+    rank?: number;
+    log2_res?: number;
+    n_leaves?: number;
+    incident_basis?: string;
+    n_incident?: number;
+    exitant_basis?: string;
+    n_exitant?: number;
+  };
+  n_values: number;
+  maximum: number;
+  lambertian: number;
+  is_coloured: boolean;
+}
+
+export interface Summary {
+  name: string;
+  manufacturer: string;
+  bands: { name: string; components: Component[] }[];
+  notes: { repaired: boolean; what: string }[];
+}
+
+/** Values in 1/sr, extent in sr. */
+export interface Cell {
+  value: number;
+  xyz: [number, number, number];
+  projected_solid_angle: number;
+  key: string;
+  reversed: boolean;
+}
+
+interface Exports {
+  memory: WebAssembly.Memory;
+  bsdftree_reserve(n: number): number;
+  bsdftree_text(): number;
+  bsdftree_numbers(): number;
+  bsdftree_pixels(): number;
+  bsdftree_open(n: number, repair: number): number;
+  bsdftree_cell(band: number, ix: number, iy: number, iz: number, ox: number, oy: number, oz: number): number;
+  bsdftree_hemisphere(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
+  bsdftree_edges(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
+  bsdftree_totals(band: number, front: number, phi: number, n: number): number;
+}
+
+/** A file that the core refused, with its own words. */
+export class Refused extends Error {}
+
+let compiled: Promise<WebAssembly.Module> | undefined;
+
+/** An open file. */
+export class Opened {
+  private constructor(
+    private readonly core: Exports,
+    readonly name: string,
+    readonly summary: Summary,
+  ) {}
+
+  /** Opens the bytes of a file, XML or .bsdft. Damaged files are read as far as they can be; the summary's notes say what was done. */
+  static async open(name: string, bytes: Uint8Array): Promise<Opened> {
+    compiled ??= WebAssembly.compileStreaming(fetch(coreUrl));
+    const instance = await WebAssembly.instantiate(await compiled, {});
+    const core = instance.exports as unknown as Exports;
+    const place = core.bsdftree_reserve(bytes.length) >>> 0;
+    new Uint8Array(core.memory.buffer, place, bytes.length).set(bytes);
+    const told = JSON.parse(text(core, core.bsdftree_open(bytes.length, 1))) as Summary | { error: string };
+    if ("error" in told) throw new Refused(told.error);
+    return new Opened(core, name, told);
+  }
+
+  /** The cell of a pair of directions, null where nothing goes. */
+  cell(band: number, [ix, iy, iz]: Direction, [ox, oy, oz]: Direction): Cell | null {
+    return JSON.parse(text(this.core, this.core.bsdftree_cell(band, ix, iy, iz, ox, oy, oz))) as Cell | null;
+  }
+
+  /** Values over a hemisphere, n × n, rows from the top (+Y); NaN outside of the disk. */
+  hemisphere(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Float32Array {
+    return this.numbers(this.core.bsdftree_hemisphere(band, ix, iy, iz, Number(front), n));
+  }
+
+  /** 1 where cells meet, n × n. */
+  edges(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Uint8Array {
+    const length = this.core.bsdftree_edges(band, ix, iy, iz, Number(front), n);
+    return new Uint8Array(this.core.memory.buffer, this.core.bsdftree_pixels() >>> 0, length).slice();
+  }
+
+  /** n reflectances, then n transmittances, over angles of incidence from 0° to 90°. */
+  totals(band: number, front: boolean, phi: number, n: number): Float32Array {
+    return this.numbers(this.core.bsdftree_totals(band, Number(front), phi, n));
+  }
+
+  private numbers(length: number): Float32Array {
+    return new Float32Array(this.core.memory.buffer, this.core.bsdftree_numbers() >>> 0, length).slice();
+  }
+}
+
+function text(core: Exports, length: number): string {
+  return new TextDecoder().decode(new Uint8Array(core.memory.buffer, core.bsdftree_text() >>> 0, length));
+}

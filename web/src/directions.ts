@@ -1,0 +1,25 @@
+// Angles, points of disks and directions. Directions point away from the surface; θ is from the normal of the side they lie on.
+
+import type { Direction } from "./core";
+
+const RADIAN = Math.PI / 180;
+
+/** The direction at θ, φ in degrees, on the front or the back. */
+export function fromPolar(thetaDeg: number, phiDeg: number, front: boolean): Direction {
+  const sine = Math.sin(thetaDeg * RADIAN);
+  const z = Math.cos(thetaDeg * RADIAN);
+  return [sine * Math.cos(phiDeg * RADIAN), sine * Math.sin(phiDeg * RADIAN), front ? z : -z];
+}
+
+/** θ and φ in degrees, φ from 0 to 360. */
+export function toPolar([x, y, z]: Direction): { thetaDeg: number; phiDeg: number } {
+  const thetaDeg = Math.atan2(Math.hypot(x, y), Math.abs(z)) / RADIAN;
+  return { thetaDeg, phiDeg: (Math.atan2(y, x) / RADIAN + 360) % 360 };
+}
+
+/** The direction over a point of the disk; null outside of it. */
+export function fromDisk(x: number, y: number, front: boolean): Direction | null {
+  const rest = 1 - x * x - y * y;
+  if (rest <= 0) return null;
+  return [x, y, front ? Math.sqrt(rest) : -Math.sqrt(rest)];
+}
