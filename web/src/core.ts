@@ -1,7 +1,7 @@
 // The Rust core: one WebAssembly instance for each file that is open, so that closing a file gives its memory back. What is asked is said in
 // crates/bsdftree-wasm; nothing is looked up here. Arrays are copies: the core's memory changes with the next call.
 
-import coreUrl from "./core.wasm?url";
+import coreUrl from "./core.wasm";
 
 /** A unit vector away from the surface, the incident one too; +Z is the room. */
 export type Direction = readonly [number, number, number];
@@ -71,7 +71,7 @@ export class Opened {
 
   /** Opens the bytes of a file, XML or .bsdft. Damaged files are read as far as they can be; the summary's notes say what was done. */
   static async open(name: string, bytes: Uint8Array): Promise<Opened> {
-    compiled ??= WebAssembly.compileStreaming(fetch(coreUrl));
+    compiled ??= WebAssembly.compileStreaming(fetch(new URL(coreUrl, import.meta.url)));
     const instance = await WebAssembly.instantiate(await compiled, {});
     const core = instance.exports as unknown as Exports;
     const place = core.bsdftree_reserve(bytes.length) >>> 0;

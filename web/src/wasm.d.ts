@@ -1,0 +1,5 @@
+// Where the core is, beside the program.
+declare module "*.wasm" {
+  const url: string;
+  export default url;
+}
