@@ -349,6 +349,7 @@ def mirror_file(mirror: Bsdf, tmp_path: Path) -> str:
         ["--kind", "slice", "--linear", "--incident", "30", "90", "--incident", "60", "0"],
         ["--kind", "polar", "--incident", "45", "90"],
         ["--kind", "polar", "--incident", "45", "90", "--incident", "120", "0"],
+        ["--kind", "polar", "--color"],
         ["--kind", "lobes", "--linear", "--incident", "45", "90"],
         ["--kind", "klems", "--basis", "quarter", "--part", "reflection_back"],
         ["--kind", "hemispherical", "--part", "reflection_back"],

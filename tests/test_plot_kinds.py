@@ -182,3 +182,14 @@ def test_notebooks_show_the_table_without_matplotlib() -> None:
         "assert '<img' not in html and '25.00 %' in html and html.endswith('</table>'), html\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_maps_in_color_have_the_hue_of_the_light(colored: Bsdf) -> None:
+    for bsdf, ordered in ((colored, True), (lambertian(0.1), False)):
+        for incident in ([0, 0, 1], [[0, 0, 1]]):
+            rgba = np.asarray(plot.polar(bsdf, incident, color=True).axes[0].images[0].get_array())
+            n = len(rgba)
+            assert rgba[0, 0, 3] == 0.0 and rgba[n // 2, n // 2, 3] == 1.0
+            red, green, blue = (float(c) for c in rgba[n // 2, n // 3, :3])
+            # X = 1, Z = 0.3 of equal-energy white is orange; without colour all is grey.
+            assert red > green + 0.05 > blue + 0.1 if ordered else max(red, green, blue) - min(red, green, blue) < 0.01

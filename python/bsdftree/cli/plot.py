@@ -22,6 +22,7 @@ _ONLY_FOR = {
     "range": ("polar", "lobes", "mosaic", "compare", "klems"),
     "linear": ("lobes", "slice"),
     "basis": ("klems",),
+    "color": ("polar",),
 }
 
 
@@ -48,6 +49,7 @@ _ONLY_FOR = {
 @click.option("--basis", type=BASES, help="Patches of klems. [default: those of the file, for trees full]")
 @click.option("--range", "limits", type=(float, float), metavar="MIN MAX", help="Colour scale [1/sr].")
 @click.option("--linear", is_flag=True, help="Linear instead of logarithmic radius of slice and lobes.")
+@click.option("--color", is_flag=True, help="Hues of the light in polar, luminance as lightness.")
 @click.option("--smooth", is_flag=True, help="Ramps in the leaves of trees instead of steps.")
 @click.option("--title", help="Heading. [default: the product's name, or FILE's]")
 @click.option("--dpi", type=click.IntRange(20, 1200), default=100, show_default=True, help="Pixels per inch.")
@@ -64,6 +66,7 @@ def plot(
     basis: str | None,
     limits: tuple[float, float] | None,
     linear: bool,
+    color: bool,
     smooth: bool,
     title: str | None,
     dpi: int,
@@ -97,7 +100,7 @@ def plot(
       bsdftree plot blinds.xml small.xml -o errors.pdf
     """
     kind = kind or ("compare" if len(files) == 2 else "overview")
-    given = {"part": part, "basis": basis, "range": limits, "incident": incident, "linear": linear}
+    given = {"part": part, "basis": basis, "range": limits, "incident": incident, "linear": linear, "color": color}
     for name, value in given.items():
         if value and kind not in _ONLY_FOR[name]:
             raise click.UsageError(f"--{name} is for --kind {', '.join(_ONLY_FOR[name])}, not {kind}")
@@ -117,7 +120,7 @@ def plot(
     bsdfs = [read(file, repair) for file in files]
     bsdfs = [bsdf.smooth() for bsdf in bsdfs] if smooth else bsdfs
     options: dict[str, Any] = {"band": band, "title": title}
-    options |= {key: given[key] for key in ("part", "basis") if kind in _ONLY_FOR[key]}
+    options |= {key: given[key] for key in ("part", "basis", "color") if kind in _ONLY_FOR[key]}
     if kind in _ONLY_FOR["range"]:
         options["limits"] = limits
     if linear:

@@ -139,12 +139,17 @@ def matrix_image(matrix: Matrix, max_px: int) -> Array:
     return means
 
 
-def hemisphere_image(bsdf: Bsdf, incident: ArrayLike, side: float, band: str, n_px: int) -> Array:
-    """Values for all directions of one side as an orthographic disk, X to the right and Y up; NaN outside of it."""
+def hemisphere_image(
+    bsdf: Bsdf, incident: ArrayLike, side: float, band: str, n_px: int, *, color: bool = False
+) -> Array:
+    """Values for all directions of one side as an orthographic disk, X to the right and Y up; NaN outside of it.
+
+    (n_px, n_px), or with ``color`` CIE X, Y, Z, (n_px, n_px, 3).
+    """
     step = (np.arange(n_px) + 0.5) / n_px * 2.0 - 1.0
     x, y = np.meshgrid(step, -step)
     inside = x**2 + y**2 < 1.0
     z = side * np.sqrt(1.0 - x[inside] ** 2 - y[inside] ** 2)
-    pixels = np.full((n_px, n_px), np.nan)
-    pixels[inside] = bsdf.eval(incident, np.stack([x[inside], y[inside], z], axis=-1), band=band)
+    pixels = np.full((n_px, n_px, 3) if color else (n_px, n_px), np.nan)
+    pixels[inside] = bsdf.eval(incident, np.stack([x[inside], y[inside], z], axis=-1), color=color, band=band)
     return pixels

@@ -30,6 +30,7 @@ def polar(
     band: str | None = None,
     limits: tuple[float, float] | None = None,
     colors: str = "viridis",
+    color: bool = False,
     title: str | None = None,
 ) -> Figure:
     """Draw polar maps of where light from some directions goes: a disk of exitant directions for each side.
@@ -51,6 +52,8 @@ def polar(
         Smallest and largest value [1/sr] of the colour scale; by default round numbers around the values.
     colors
         Name of a matplotlib colour map. Zero is dark grey in all of them.
+    color
+        Draw the hues of the light instead of a colour map, and its luminance as lightness. Without colour all is grey.
     title
         Heading; the name of the product by default.
 
@@ -63,8 +66,22 @@ def polar(
     vectors = unit_vectors(default_incident(bsdf, band) if incident is None else incident)
     heading = heading_of(bsdf, band, title)
     if vectors.ndim == 1:
-        return _large(bsdf, vectors, band, limits, colors, heading)
-    return _many(bsdf, vectors, band, limits, colors, heading)
+        images = _images(bsdf, vectors, band, 700, color)
+        return _large(bsdf, vectors, band, images, _scale(images, limits, colors), heading)
+    maps = [_images(bsdf, v, band, 2 * _SMALL, color) for v in vectors]
+    return _many(bsdf, vectors, band, maps, _scale([m for both in maps for m in both], limits, colors), heading)
+
+
+def _images(bsdf: Bsdf, vector: Array, band: str, n_px: int, color: bool) -> list[Array]:
+    """Maps of both sides."""
+    return [hemisphere_image(bsdf, vector, side, band, n_px, color=color) for side in (ROOM, OUTSIDE)]
+
+
+def _scale(images: list[Array], limits: tuple[float, float] | None, colors: str) -> Scale:
+    """One scale for all maps: of the luminance, if they have colours."""
+    if images[0].ndim == 2:
+        return Scale.of(images, limits, colors)
+    return Scale.of([image[..., 1] for image in images], limits, colors).in_color()
 
 
 def default_incident(bsdf: Bsdf, band: str) -> Array:
@@ -82,12 +99,8 @@ def unit_vectors(incident: ArrayLike) -> Array:
     return np.asarray(vectors / lengths, float)
 
 
-def _large(
-    bsdf: Bsdf, vector: Array, band: str, limits: tuple[float, float] | None, colors: str, heading: str
-) -> Figure:
+def _large(bsdf: Bsdf, vector: Array, band: str, images: list[Array], scale: Scale, heading: str) -> Figure:
     """Two large disks."""
-    images = [hemisphere_image(bsdf, vector, side, band, 700) for side in (ROOM, OUTSIDE)]
-    scale = Scale.of(images, limits, colors)
     picture = figure(1640, 880)
     for k, (image, side, name) in enumerate(zip(images, (ROOM, OUTSIDE), ("room", "outside"), strict=True)):
         kind = "reflection" if side * vector[2] > 0.0 else "transmission"
@@ -111,12 +124,8 @@ def angles(vector: Array) -> str:
     return f"θ {theta:.4g}°{azimuth} ({'room' if vector[2] > 0.0 else 'outside'})"
 
 
-def _many(
-    bsdf: Bsdf, vectors: Array, band: str, limits: tuple[float, float] | None, colors: str, heading: str
-) -> Figure:
+def _many(bsdf: Bsdf, vectors: Array, band: str, images: list[list[Array]], scale: Scale, heading: str) -> Figure:
     """A column of two small disks for each direction, at most six columns beside each other."""
-    images = [[hemisphere_image(bsdf, v, side, band, 2 * _SMALL) for side in (ROOM, OUTSIDE)] for v in vectors]
-    scale = Scale.of([image for both in images for image in both], limits, colors)
     columns = min(len(vectors), 6)
     rows = -(-len(vectors) // columns)
     block = 2 * _SMALL + 106

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Colormap, LogNorm
+from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
@@ -32,6 +32,11 @@ ROOM_COLOR, OUTSIDE_COLOR = OKABE_ITO[0], VERMILION
 # Blue below, white at none, red above.
 DIVERGING = "RdBu_r"
 FORMATS = ("png", "svg", "pdf")
+_GREYS = LinearSegmentedColormap.from_list("lightness", [(0.22,) * 3, (1.0,) * 3])
+# Linear sRGB (IEC 61966-2-1) of X, Y, Z, each row divided by its sum: the white of equal energy, which greys have in
+# files, is that of the screen.
+_SRGB_OF_XYZ = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
+_SRGB_OF_XYZ /= _SRGB_OF_XYZ.sum(axis=1, keepdims=True)
 # Values fainter than this many decades below the brightest are drawn in the last colour.
 _DECADES = 5
 
@@ -115,11 +120,27 @@ class Scale(NamedTuple):
         seen = np.where(values > 0.0, np.maximum(values, self.low), 0.5 * self.low)
         return np.asarray(self.colors(LogNorm(self.low, self.high)(seen)))
 
+    def in_color(self) -> Scale:
+        """The same values as lightness, for images of X, Y, Z, which have hues of their own."""
+        return self._replace(colors=_GREYS.with_extremes(under=ZERO, bad=(0, 0, 0, 0)))
+
     def draw(self, axes: Axes, image: Array, extent: tuple[float, float, float, float]) -> AxesImage:
-        """Draw an image. Pixels keep their edges."""
+        """Draw an image, (n, m), or X, Y, Z, (n, m, 3). Pixels keep their edges."""
+        if image.ndim == 3:
+            return axes.imshow(self._rgba_of_xyz(image), extent=extent, interpolation="nearest")
         seen = np.where(image > 0.0, np.maximum(image, self.low), np.where(np.isnan(image), np.nan, 0.5 * self.low))
         norm = LogNorm(self.low, self.high)
         return axes.imshow(seen, cmap=self.colors, norm=norm, extent=extent, interpolation="nearest")
+
+    def _rgba_of_xyz(self, xyz: Array) -> Array:
+        """The hue of X, Y, Z as it is on screens, as light as the scale says of Y."""
+        rgba = self.rgba(np.nan_to_num(xyz[..., 1]))
+        linear = np.maximum(np.nan_to_num(xyz) @ _SRGB_OF_XYZ.T, 0.0)
+        most = linear.max(axis=-1, keepdims=True)
+        hue = np.divide(linear, most, out=np.ones_like(linear), where=most > 0.0)
+        rgba[..., :3] *= hue ** (1.0 / 2.2)
+        rgba[np.isnan(xyz[..., 1])] = 0.0
+        return rgba
 
     def bar(self, picture: Figure, box: Sequence[float]) -> Colorbar:
         """Draw the scale with its decades and the colour of zero, upright in a box of the figure."""
