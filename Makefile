@@ -93,4 +93,4 @@ docs: ## API documentation of the crates, in target/doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
 clean: ## Remove what was built
-	rm -rf target $(VENV) demo
+	rm -rf target $(VENV) demo web/dist web/node_modules web/src/core.wasm

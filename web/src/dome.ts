@@ -35,7 +35,7 @@ export class Dome {
     );
     this.scene.add(this.half, new Mesh(new CircleGeometry(1, 64), plane), this.arrow, new AmbientLight(), ...axes);
     this.listen();
-    new ResizeObserver(() => this.draw()).observe(canvas);
+    new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
   show(direction: Direction): void {
@@ -48,11 +48,16 @@ export class Dome {
     this.draw();
   }
 
-  private draw(): void {
+  /** New buffers, which cost more than a frame. */
+  private resize(): void {
     const edge = this.canvas.clientWidth;
     if (edge === 0) return;
     this.renderer.setPixelRatio(window.devicePixelRatio);
     this.renderer.setSize(edge, edge, false);
+    this.draw();
+  }
+
+  private draw(): void {
     this.renderer.render(this.scene, this.camera);
   }
 
