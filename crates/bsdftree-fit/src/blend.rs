@@ -13,10 +13,11 @@ use crate::frame::{Frame, LEAST_COSINE, Motion};
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Weights};
 use crate::lambert::{self, Ray};
-use crate::lobes::{self, Followed, Tracks};
+use crate::lobes;
 use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 use crate::residual::Blended;
+use crate::tracks::{Followed, Tracks};
 
 /// ε in units of the mean BSDF.
 const EPSILON: f64 = 3e-3;
@@ -241,12 +242,18 @@ struct Term<'a> {
 }
 
 impl Term<'_> {
+    /// The logarithm in the scan, and how much the scan counts: of a lobe that the horizon of the scan cuts, nothing where it is cut.
     #[inline(always)]
-    fn log_at(&self, o: Ray, dark: f32) -> f32 {
-        let point = lambert::point(self.motion.apply(o));
+    fn log_at(&self, o: Ray, dark: f32) -> (f32, f32) {
+        let there = self.motion.apply(o);
+        let point = lambert::point(there);
         match self.mask {
-            Some((labels, number)) if labels[Raster::pixel(self.log.n(), point)] != number => dark,
-            _ => self.log.at(point),
+            None => (self.log.at(point), self.weight),
+            Some(_) if there[2] < LEAST_COSINE => (dark, 0.0),
+            Some((labels, number)) if labels[Raster::pixel(self.log.n(), point)] != number => {
+                (dark, self.weight)
+            }
+            Some(_) => (self.log.at(point), self.weight),
         }
     }
 }
@@ -260,6 +267,30 @@ struct Moved<'a> {
     /// Logarithm outside the lobe.
     dark: f32,
 }
+
+impl Moved<'_> {
+    /// The logarithm, and how much scans differ in it.
+    #[inline(always)]
+    fn log_at(&self, o: Ray) -> (f32, f32) {
+        let (mut log, mut sum, mut size, mut first, mut second) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for term in &self.terms {
+            let (here, weight) = term.log_at(o, self.dark);
+            log += weight * here;
+            sum += weight;
+            let w = weight.abs();
+            size += w;
+            first += w * here;
+            second += w * here * here;
+        }
+        if sum < LEAST_SEEN {
+            return (self.dark, 0.0);
+        }
+        (log / sum + self.offset, (second / size - (first / size).powi(2)).max(0.0).sqrt())
+    }
+}
+
+/// Where scans with less weight than this see it, a lobe is dark.
+const LEAST_SEEN: f32 = 0.3;
 
 /// The interpolant for one incident direction.
 pub(crate) struct Slice<'a> {
@@ -277,11 +308,8 @@ impl Slice<'_> {
     /// The value in one direction.
     #[inline]
     pub fn value(&self, o: Ray) -> f32 {
-        let mut rest = 0.0;
-        for moved in &self.moved {
-            let log: f32 = moved.terms.iter().map(|term| term.weight * term.log_at(o, moved.dark)).sum();
-            rest += ((log + moved.offset).exp() - moved.epsilon).max(0.0);
-        }
+        let value = |moved: &Moved<'_>| (moved.log_at(o).0.exp() - moved.epsilon).max(0.0);
+        let rest = self.moved.iter().map(value).sum();
         self.finished(rest, o)
     }
 
@@ -289,19 +317,11 @@ impl Slice<'_> {
     pub fn blended(&self, o: Ray) -> Blended {
         let (mut rest, mut brightest, mut spread) = (0.0, -1.0, 0.0);
         for moved in &self.moved {
-            let (mut log, mut sum, mut first, mut second) = (moved.offset, 0.0, 0.0, 0.0);
-            for term in &moved.terms {
-                let here = term.log_at(o, moved.dark);
-                log += term.weight * here;
-                let w = term.weight.abs();
-                sum += w;
-                first += w * here;
-                second += w * here * here;
-            }
+            let (log, spread_here) = moved.log_at(o);
             let value = (log.exp() - moved.epsilon).max(0.0);
             if value > brightest {
                 brightest = value;
-                spread = (second / sum - (first / sum).powi(2)).max(0.0).sqrt();
+                spread = spread_here;
             }
             rest += value;
         }

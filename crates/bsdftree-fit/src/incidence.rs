@@ -161,6 +161,18 @@ impl Plane {
         (largest(weights), outside)
     }
 
+    /// For values at the directions, in the order in which these were given: how far each is from what the others foresee (leaving one out
+    /// of a spline takes no new spline: S. Rippa, Adv. Comput. Math. 11, 1999). `None` if directions lie on one line.
+    pub fn surprises(&self, values: &[f64]) -> Option<Vec<f64>> {
+        let inverse = self.inverse.as_ref()?;
+        let m = self.nodes.len() + 3;
+        let surprise = |k: usize| {
+            let row = &inverse[k * m..(k + 1) * m];
+            values.iter().zip(row).map(|(v, a)| v * a).sum::<f64>() / row[k]
+        };
+        Some((0..values.len()).map(surprise).collect())
+    }
+
     /// Two nearest directions: all there is where directions lie on one line.
     fn by_distance(&self, point: [f64; 2]) -> Weights {
         let mut near: Vec<(f64, usize)> =
@@ -336,6 +348,16 @@ mod tests {
             assert!((at([0.1, 0.1]) - 0.9).abs() < 1e-3, "{blend:?}");
             assert!((plane.weights([0.5, 0.0]).0[0].1 - 1.0).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn surprises_are_what_splines_without_a_direction_miss() {
+        let nodes = [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5], [-0.5, 0.1], [0.1, -0.6], [0.4, 0.4]];
+        let values = [0.3, -1.0, 0.2, 0.9, 0.0, 2.0];
+        let found = Plane::new(&nodes, &[0, 1, 2, 3, 4, 5], Blend::Spline).surprises(&values).unwrap();
+        let others = Plane::new(&nodes[1..], &[1, 2, 3, 4, 5], Blend::Spline);
+        let foreseen: f64 = others.weights(nodes[0]).0.iter().map(|&(k, w)| w * values[k]).sum();
+        assert!((found[0] - (values[0] - foreseen)).abs() < 1e-9, "{found:?} {foreseen}");
     }
 
     #[test]

@@ -15,6 +15,12 @@ pub(crate) fn point([x, y, z]: Ray) -> [f32; 2] {
     [x * scale, y * scale]
 }
 
+/// Between the points of two directions.
+pub(crate) fn distance(a: Ray, b: Ray) -> f64 {
+    let ([ax, ay], [bx, by]) = (point(a).map(f64::from), point(b).map(f64::from));
+    (ax - bx).hypot(ay - by)
+}
+
 /// The direction at a point within √2 of the centre.
 pub(crate) fn direction([u, v]: [f32; 2]) -> Ray {
     let r2 = (u * u + v * v).min(2.0);

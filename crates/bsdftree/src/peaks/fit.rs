@@ -85,9 +85,7 @@ pub(super) fn best_map(pairs: &[Pair], fixed: &[Map], fitted: bool, least: usize
 /// The facet, prism or shift that most pairs follow closely.
 fn best_fit(pairs: &[Pair], least: usize) -> Option<Fit> {
     let step = pairs.len().div_ceil(MAX_GUESSES).max(1);
-    let guesses = pairs.iter().step_by(step).flat_map(|pair| {
-        kinds(Side::of(pair.incident) == Side::of(pair.exitant)).filter_map(|kind| fit(&kind, &[*pair]))
-    });
+    let guesses = pairs.iter().step_by(step).flat_map(|&pair| through(pair));
     // A guess from one pair is off by up to half a cell each way, and twice that where it is reflected.
     let refined = guesses.filter_map(|guess| {
         let near = followers(pairs, &guess, 1.5);
@@ -103,6 +101,11 @@ fn best_fit(pairs: &[Pair], least: usize) -> Option<Fit> {
         .reduce(
             |best, next| if next.n + next.n / 20 >= best.n && next.apart < best.apart { next } else { best },
         )
+}
+
+/// Maps that send the light of a pair where it goes.
+pub(super) fn through(pair: Pair) -> impl Iterator<Item = Map> {
+    kinds(Side::of(pair.incident) == Side::of(pair.exitant)).filter_map(move |kind| fit(&kind, &[pair]))
 }
 
 /// A map that peaks follow.

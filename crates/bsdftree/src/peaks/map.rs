@@ -70,9 +70,38 @@ impl Map {
 
     /// Where light from a direction goes, if the map sends it to that side.
     pub fn exitant(&self, incident: Direction, side: Side) -> Option<Direction> {
+        let vector = self.vector(incident, side)?;
+        if self.leaves_flat() { disk_direction([vector[0], vector[1]], side) } else { Some(vector) }
+    }
+
+    /// Direction cosines x and y of where light from a direction goes, if the map sends it to that side. Beyond the unit circle the flat
+    /// face that it would leave by reflects it totally, and they say by how much.
+    pub fn cosines(&self, incident: Direction, side: Side) -> Option<[f64; 2]> {
+        self.vector(incident, side).map(|[x, y, _]| [x, y])
+    }
+
+    /// The fraction of unpolarized light that the two faces of a prism let through, with direction cosines of where it leaves
+    /// (Fresnel; of other maps 1).
+    pub fn transmittance(&self, incident: Direction, [x, y]: [f64; 2]) -> f64 {
+        let Map::Prism { normal, index, flat_first } = *self else { return 1.0 };
+        let leaving = (1.0 - x * x - y * y).max(0.0).sqrt();
+        let (flat, facet) = match flat_first {
+            true => (incident[2].abs(), dot([x, y, leaving.copysign(-incident[2])], normal).abs()),
+            false => (leaving, dot(incident, normal).abs()),
+        };
+        fresnel(index, flat) * fresnel(index, facet)
+    }
+
+    /// Whether it leaves through the plane of the device, which keeps x and y of the optical vector.
+    fn leaves_flat(&self) -> bool {
+        matches!(self, Map::Prism { flat_first: false, .. } | Map::InnerFacet { .. } | Map::Shift { .. })
+    }
+
+    /// The optical vector of what leaves to a side; before a flat last face.
+    fn vector(&self, incident: Direction, side: Side) -> Option<Direction> {
         let [x, y, z] = incident;
         let travel = incident.map(|c| -c);
-        let mapped = match *self {
+        let vector = match *self {
             Map::Straight => travel,
             Map::Mirror => [-x, -y, z],
             Map::Retro => incident,
@@ -83,16 +112,14 @@ impl Map {
                 let inside = optical([-x, -y], index, travel[2].signum());
                 bent(inside, normal, 1.0 - index * index)?
             }
-            Map::Prism { normal, index, flat_first: false } => {
-                out_of_flat(bent(travel, normal, index * index - 1.0)?, side)?
-            }
+            Map::Prism { normal, index, flat_first: false } => bent(travel, normal, index * index - 1.0)?,
             Map::InnerFacet { normal, index } => {
-                out_of_flat(reflected(optical([-x, -y], index, travel[2].signum()), normal), side)?
+                reflected(optical([-x, -y], index, travel[2].signum()), normal)
             }
-            Map::Shift { cosines: [a, b] } => disk_direction([a - x, b - y], side)?,
+            Map::Shift { cosines: [a, b] } => [a - x, b - y, side.sign()],
             Map::Table => return None,
         };
-        (mapped[2] * side.sign() > 0.0).then_some(mapped)
+        (vector[2] * side.sign() > 0.0).then_some(vector)
     }
 }
 
@@ -121,9 +148,13 @@ fn bent(vector: Direction, normal: Direction, growth: f64) -> Option<Direction> 
     (square > 0.0).then(|| along(vector, square.sqrt().copysign(part) - part, normal))
 }
 
-/// Out of the flat face from inside, if it faces that side and does not reflect totally.
-fn out_of_flat(inside: Direction, side: Side) -> Option<Direction> {
-    if inside[2] * side.sign() > 0.0 { disk_direction([inside[0], inside[1]], side) } else { None }
+/// Transmittance of a face to unpolarized light, by the cosine on the outside.
+fn fresnel(index: f64, outside: f64) -> f64 {
+    let c = outside.min(1.0);
+    let inside = (1.0 - (1.0 - c * c) / (index * index)).sqrt();
+    let s = (c - index * inside) / (c + index * inside);
+    let p = (index * c - inside) / (index * c + inside);
+    1.0 - 0.5 * (s * s + p * p)
 }
 
 fn disk_direction(disk: [f64; 2], side: Side) -> Option<Direction> {

@@ -28,7 +28,7 @@ use crate::tree::Rank;
 use detect::{Spot, cone_deg, spots};
 use family::{Member, families};
 use field::Incident;
-use fit::{Pair, best_map, rms};
+use fit::{Pair, best_map, rms, through};
 
 /// What counts as a peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,13 +45,17 @@ impl Default for PeakOptions {
     }
 }
 
-/// The map that two thirds of the given peaks, or more, follow: incident and exitant directions that are known to about `edge`, a distance
-/// in the disk (twice that in radians near the horizon is still little). `None` if there are fewer than four, or none fits.
-pub fn map_of(peaks: &[(Direction, Direction)], edge: f64) -> Option<Map> {
+/// The map that most of the given peaks follow, `least` or more: incident and exitant directions that are known to about `edge`, a distance
+/// in the disk (twice that in radians near the horizon is still little).
+pub fn map_of(peaks: &[(Direction, Direction)], edge: f64, least: usize) -> Option<Map> {
     let pair = |&(incident, exitant): &(Direction, Direction)| Pair { incident, exitant, edge, weight: 1.0 };
     let pairs: Vec<Pair> = peaks.iter().map(pair).collect();
-    let least = (2 * pairs.len()).div_ceil(3).max(4);
     best_map(&pairs, &[Map::Straight, Map::Mirror, Map::Retro], true, least)
+}
+
+/// Maps of all kinds, of several indices of refraction, that send light from one direction to another.
+pub fn maps_through(incident: Direction, exitant: Direction) -> Vec<Map> {
+    through(Pair { incident, exitant, edge: 1.0, weight: 1.0 }).collect()
 }
 
 /// A peak of the light from one direction.
