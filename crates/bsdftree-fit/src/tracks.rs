@@ -227,14 +227,21 @@ impl Track {
         Some(place)
     }
 
-    /// Its power, interpolated over all scans. Towards total reflection powers go as square roots (Fresnel), so it is their squares that are
-    /// blended, and of faint ones that would be noise the powers themselves; no more than nearest scans have.
+    /// Its power, interpolated over all scans; hardly more than the nearest have.
     fn power(&self, weights: &Weights) -> f64 {
-        let faint = 0.5 * self.members.iter().map(|m| m.power).fold(0.0, f64::max);
-        let bent: f64 =
-            weights.iter().map(|&(k, w)| (w, self.power_in(k))).map(|(w, p)| w * p * (p + faint)).sum();
-        let power = (0.25 * faint * faint + bent.max(0.0)).sqrt() - 0.5 * faint;
-        power.min(weights.iter().take(N_NEAREST).map(|&(k, _)| self.power_in(k)).fold(0.0, f64::max))
+        let near = weights.iter().take(N_NEAREST).map(|&(k, _)| self.power_in(k)).fold(0.0, f64::max);
+        weights.iter().map(|&(k, w)| w * self.power_in(k)).sum::<f64>().min(1.1 * near)
+    }
+
+    /// How far from where it is foreseen a lobe is, in units of what can be foreseen so far from its scans.
+    fn surprise(&self, incidents: &[Ray], spot: &Spot) -> f64 {
+        let incident = incidents[spot.scan];
+        let gap = |m: &Member| lambert::distance(incident, incidents[m.scan]);
+        let near = self.members.iter().map(gap).fold(f64::MAX, f64::min);
+        let reach = if self.path.is_known() { 0.2 } else { 0.5 };
+        let [x, y] = cosines(spot.lobe.center);
+        let apart = |[u, v]: [f64; 2]| (u - x).hypot(v - y) / (EDGE + reach * near);
+        self.place(incident, &self.places.weights(incident).0).map_or(f64::INFINITY, apart)
     }
 
     fn strength(&self, weights: &Weights) -> f64 {
@@ -288,22 +295,41 @@ fn mapped(incidents: &[Ray], spots: &[Spot], free: &mut Vec<usize>, part: Part) 
     loop {
         let peaks: Vec<_> = free.iter().map(|&s| directions(s)).collect();
         let Some(map) = map_of(&peaks, EDGE, least) else { return tracks };
-        let mut nearest: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
-        for (&s, (incident, exitant)) in free.iter().zip(peaks) {
-            let Some([x, y, _]) = map.exitant(incident, part.exitant_side()) else { continue };
-            let apart = (x - exitant[0]).hypot(y - exitant[1]);
-            let best = nearest.entry(spots[s].scan).or_insert((EDGE, s));
-            if apart <= best.0 {
-                *best = (apart, s);
-            }
-        }
-        let track: Vec<usize> = nearest.into_values().filter(|n| n.0 < EDGE).map(|n| n.1).collect();
+        let apart = |s: usize| {
+            let (incident, exitant) = directions(s);
+            let there = map.exitant(incident, part.exitant_side());
+            there.map_or(f64::INFINITY, |[x, y, _]| (x - exitant[0]).hypot(y - exitant[1]) / EDGE)
+        };
+        let mut track = nearest(spots, free, apart);
         if track.len() < least {
             return tracks;
         }
+        track.extend(claimed(incidents, spots, &track, free, part));
         free.retain(|s| !track.contains(s));
         tracks.push(track);
     }
+}
+
+/// Free lobes of other scans that are where a track foresees them: maps need not be exact.
+fn claimed(incidents: &[Ray], spots: &[Spot], track: &[usize], free: &[usize], part: Part) -> Vec<usize> {
+    let group: Vec<Spot> = track.iter().map(|&s| spots[s]).collect();
+    let track = Track::beside(incidents, &group, false, part);
+    nearest(spots, free, |s| match track.member(spots[s].scan) {
+        Some(_) => f64::INFINITY,
+        None => track.surprise(incidents, &spots[s]),
+    })
+}
+
+/// Of each scan the lobe that is least apart, if that is less than 1.
+fn nearest(spots: &[Spot], among: &[usize], apart: impl Fn(usize) -> f64) -> Vec<usize> {
+    let mut nearest: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
+    for (apart, s) in among.iter().map(|&s| (apart(s), s)).filter(|n| n.0 < 1.0) {
+        let best = nearest.entry(spots[s].scan).or_insert((apart, s));
+        if apart < best.0 {
+            *best = (apart, s);
+        }
+    }
+    nearest.into_values().map(|n| n.1).collect()
 }
 
 /// Tracks of which one foresees where all lobes of the other are, made one.
@@ -322,17 +348,8 @@ fn joined(
         progress.go_on()?;
         let group: Vec<Spot> = tracks[first].iter().map(|&s| spots[s]).collect();
         let track = Track::beside(incidents, &group, false, part);
-        let foreseen = |s: &usize| {
-            let spot = &spots[*s];
-            let incident = incidents[spot.scan];
-            let gap = |m: &Member| lambert::distance(incident, incidents[m.scan]);
-            let near = track.members.iter().map(gap).fold(f64::MAX, f64::min);
-            let place = track.place(incident, &track.places.weights(incident).0);
-            let [x, y] = cosines(spot.lobe.center);
-            let reach = if track.path.is_known() { 0.2 } else { 0.5 };
-            let is_near = |[u, v]: [f64; 2]| (u - x).hypot(v - y) < 0.05 + reach * near;
-            track.member(spot.scan).is_none() && place.is_some_and(is_near)
-        };
+        let foreseen =
+            |&s: &usize| track.member(spots[s].scan).is_none() && track.surprise(incidents, &spots[s]) < 1.0;
         match (first + 1..tracks.len()).find(|&other| tracks[other].iter().all(foreseen)) {
             Some(other) => {
                 let more = tracks.swap_remove(other);
