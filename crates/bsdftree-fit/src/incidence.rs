@@ -143,7 +143,7 @@ impl Plane {
         Plane { nodes: nodes.to_vec(), scans: scans.to_vec(), hull: hull(nodes), inverse, triangles }
     }
 
-    fn weights(&self, point: [f64; 2]) -> (Weights, f64) {
+    pub fn weights(&self, point: [f64; 2]) -> (Weights, f64) {
         let (inside, outside) = nearest_in_hull(&self.hull, point);
         let weights = match &self.inverse {
             None => self.in_triangle(inside).unwrap_or_else(|| self.by_distance(inside)),

@@ -1,9 +1,9 @@
 //! The way that the light of one lobe goes through facets and prisms.
 //!
-//! In: where a lobe is for several incident directions. Out: where a [`Map`] of `bsdftree::peaks` sends its light, and how much its
-//! surfaces let through, if there is a map that helps: beside the map, centres are interpolated as splines, and the map is taken whose
-//! splines predict left-out centres best, if that is far better than without. So a map need not be exact, and a lobe that no map describes
-//! is shifted with the incident direction.
+//! In: where a lobe is for several incident directions, and its power there. Out: where a [`Map`] of `bsdftree::peaks` sends its light, and
+//! how much its surfaces let through, if there is a map that helps: beside the map, centres and powers are interpolated as splines, and the
+//! map is taken with which the least light of left-out scans is put in the wrong place, if that is far less than without. So a map need not
+//! be exact, and a lobe that no map describes is shifted with the incident direction.
 //!
 //! Places are direction cosines: surfaces keep those along them (Snell), and beyond the unit circle light is reflected totally.
 
@@ -11,19 +11,24 @@ use bsdftree::Part;
 use bsdftree::direction::{Direction, Side, normalized};
 use bsdftree::peaks::{Map, maps_through};
 
-use crate::incidence::{Blend, Plane};
+use crate::incidence::{Blend, Plane, Weights};
 use crate::lambert::{self, Ray};
 
 /// Fewest scans that say what a map is.
 const FEWEST: usize = 6;
 
-/// Left-out centres are off by less than this part of what they are off without a map.
-const HELPS: f64 = 0.7;
+/// With a map less than this part of the light is misplaced that is misplaced without.
+const HELPS: f64 = 0.8;
 
-/// Centres are not further from a map that they follow, on average; and a part of this distance counts as error, since a map that is far
-/// off may help by chance.
-const FAR: f64 = 0.1;
+/// A centre so far off misplaces all light of a lobe \[direction cosines\]; and at most so many times it counts.
+const RADIUS: f64 = 0.1;
+const MOST: f64 = 2.0;
+
+/// A part of the distance of centres from a map counts as error, since a map that is far off may help by chance.
 const DOUBT: f64 = 0.1;
+
+/// A lobe is looked for where it leaves within this radius.
+const CLEAR: f64 = 0.98;
 
 /// Scans that guesses are made from.
 const N_GUESSED: usize = 16;
@@ -41,31 +46,39 @@ pub(crate) struct Path {
     map: Option<Map>,
 }
 
+/// One lobe in all scans.
+pub(crate) struct Seen<'a> {
+    /// Of all scans.
+    pub incidents: &'a [Ray],
+    /// Centre and power in those that have it, by scan.
+    pub members: &'a [(usize, Ray, f64)],
+    /// Centres of the other lobes of each scan.
+    pub others: &'a [Vec<Ray>],
+}
+
 impl Path {
-    /// The best of all maps for these incident directions and centres.
-    pub fn new(part: Part, incidents: &[Ray], centers: &[Ray]) -> Path {
+    /// The best of all maps.
+    pub fn new(part: Part, seen: &Seen<'_>) -> Path {
         let straight = Path::straight(part);
-        if incidents.len() < FEWEST {
+        if seen.members.len() < FEWEST {
             return straight;
         }
-        let points: Vec<[f64; 2]> = incidents.iter().map(|&i| lambert::point(i).map(f64::from)).collect();
-        let numbers: Vec<usize> = (0..points.len()).collect();
-        let plane = Plane::new(&points, &numbers, Blend::Spline);
-        let missed = |path: &Path| path.missed(&plane, incidents, centers);
-        let Some(without) = missed(&straight) else { return straight };
-        let step = incidents.len().div_ceil(N_GUESSED);
-        let peaks = incidents.iter().zip(centers).step_by(step);
-        let maps = peaks.flat_map(|(&i, &o)| {
-            maps_through(on_side(i, part.incident_side()), on_side(o, part.exitant_side()))
+        let Some(judge) = Judge::new(seen) else { return straight };
+        let Some(without) = judge.misplaced(&straight) else { return straight };
+        let step = seen.members.len().div_ceil(N_GUESSED);
+        let maps = seen.members.iter().step_by(step).flat_map(|&(k, o, _)| {
+            maps_through(on_side(seen.incidents[k], part.incident_side()), on_side(o, part.exitant_side()))
         });
         let mut guesses: Vec<(f64, Path)> = maps
             .map(|map| Path { part, map: Some(map) })
-            .filter_map(|path| Some((missed(&path)?, path)))
+            .filter_map(|path| Some((judge.misplaced(&path)?, path)))
             .collect();
         guesses.sort_by(|a, b| a.0.total_cmp(&b.0));
         guesses.truncate(N_POLISHED);
-        let best =
-            guesses.into_iter().map(|guess| polished(guess, missed)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let polish = |guess| polished(guess, |path| judge.misplaced(path));
+        let best = guesses.into_iter().map(polish).min_by(|a, b| a.0.total_cmp(&b.0));
+            eprintln!("path n {} without {without:.4} best {best:?}", seen.members.len());
+        }
         match best {
             Some((error, path)) if error < HELPS * without => path,
             _ => straight,
@@ -99,24 +112,70 @@ impl Path {
     pub fn is_known(&self) -> bool {
         self.map.is_some()
     }
+}
 
-    /// Mean distance of centres from what the others foresee; `None` if light goes nowhere.
-    fn missed(&self, plane: &Plane, incidents: &[Ray], centers: &[Ray]) -> Option<f64> {
-        let mut beside = [Vec::with_capacity(centers.len()), Vec::with_capacity(centers.len())];
-        for (&i, &center) in incidents.iter().zip(centers) {
-            let (place, center) = (self.place(i)?, cosines(center));
+/// Tells how much of a lobe's light a path misplaces in scans that are left out.
+struct Judge<'a> {
+    seen: &'a Seen<'a>,
+    plane: Plane,
+    /// Scans without it, and what its scans weigh there (by number of member).
+    elsewhere: Vec<(usize, Weights)>,
+    /// Power that splines over all scans misplace.
+    without: f64,
+}
+
+impl Judge<'_> {
+    fn new<'a>(seen: &'a Seen<'a>) -> Option<Judge<'a>> {
+        let point = |k: usize| lambert::point(seen.incidents[k]).map(f64::from);
+        let plane = |scans: &[usize]| {
+            let points: Vec<[f64; 2]> = scans.iter().map(|&k| point(k)).collect();
+            Plane::new(&points, &(0..scans.len()).collect::<Vec<_>>(), Blend::Spline)
+        };
+        let own: Vec<usize> = seen.members.iter().map(|m| m.0).collect();
+        let all: Vec<usize> = (0..seen.incidents.len()).collect();
+        let power = |&k: &usize| own.binary_search(&k).map_or(0.0, |j| seen.members[j].2);
+        let powers: Vec<f64> = all.iter().map(power).collect();
+        let without = plane(&all).surprises(&powers)?.iter().map(|e| e.abs()).sum();
+        let plane = plane(&own);
+        let elsewhere = all.iter().filter(|k| own.binary_search(k).is_err());
+        let elsewhere = elsewhere.map(|&k| (k, plane.weights(point(k)).0)).collect();
+        Some(Judge { seen, plane, elsewhere, without })
+    }
+
+    /// Light at wrong places, in units of all; `None` if light goes nowhere.
+    fn misplaced(&self, path: &Path) -> Option<f64> {
+        let Seen { incidents, members, others } = *self.seen;
+        let mut beside = [Vec::with_capacity(members.len()), Vec::with_capacity(members.len())];
+        for &(k, center, _) in members {
+            let (place, center) = (path.place(incidents[k])?, cosines(center));
             (0..2).for_each(|d| beside[d].push(center[d] - place[d]));
         }
-        let mean =
-            |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x.hypot(*y)).sum::<f64>() / x.len() as f64;
-        let error = mean(&plane.surprises(&beside[0])?, &plane.surprises(&beside[1])?);
-        match self.map {
-            None => Some(error),
-            Some(_) => {
-                let apart = mean(&beside[0], &beside[1]);
-                (apart < FAR).then_some(error + DOUBT * apart)
+        let [x, y] = [self.plane.surprises(&beside[0])?, self.plane.surprises(&beside[1])?];
+        let off = |j: usize| {
+            let doubt = if path.is_known() { DOUBT * beside[0][j].hypot(beside[1][j]) } else { 0.0 };
+            ((x[j].hypot(y[j]) + doubt) / RADIUS).min(MOST)
+        };
+        let mut error: f64 = members.iter().enumerate().map(|(j, m)| m.2 * off(j)).sum();
+        if path.is_known() {
+            let strength =
+                |&(k, center, power): &(usize, Ray, f64)| path.unattenuated(power, incidents[k], center);
+            let strengths: Vec<f64> = members.iter().map(strength).collect();
+            let wrong = self.plane.surprises(&strengths)?;
+            error +=
+                members.iter().zip(&strengths).zip(wrong).map(|((m, s), e)| (e * m.2 / s).abs()).sum::<f64>();
+            for (k, weights) in &self.elsewhere {
+                let Some(mut place) = path.place(incidents[*k]) else { continue };
+                (0..2).for_each(|d| place[d] += weights.iter().map(|&(j, w)| w * beside[d][j]).sum::<f64>());
+                let near = |&o: &Ray| (cosines(o)[0] - place[0]).hypot(cosines(o)[1] - place[1]) < RADIUS;
+                if place[0].hypot(place[1]) < CLEAR && !others[*k].iter().any(near) {
+                    let strength: f64 = weights.iter().map(|&(j, w)| w * strengths[j]).sum();
+                    error += strength.abs() * path.transmittance(incidents[*k], place);
+                }
             }
+        } else {
+            error += self.without;
         }
+        Some(error / members.iter().map(|m| m.2).sum::<f64>())
     }
 }
 

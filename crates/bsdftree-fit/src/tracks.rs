@@ -17,7 +17,7 @@ use crate::incidence::{Blend, Incidence, Line, Plane, Weights, lambert_radius};
 use crate::lambert::{self, Ray};
 use crate::link::{Spot, linked};
 use crate::lobes::{Lobe, NONE, lobes_of};
-use crate::path::{Path, cosines, on_side};
+use crate::path::{Path, Seen, cosines, on_side};
 use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 
@@ -117,7 +117,7 @@ impl Tracks {
         let track = |group: &Vec<usize>| {
             let group: Vec<Spot> = group.iter().map(|&s| spots[s]).collect();
             progress.go_on()?;
-            Ok(Track::new(&incidents, &group, &labels, line, part))
+            Ok(Track::new(&incidents, &spots, &group, &labels, line, part))
         };
         let tracks = groups.par_iter().map(track).collect::<Result<_, _>>()?;
         Ok(Some(Tracks { tracks, labels }))
@@ -168,8 +168,15 @@ impl Tracks {
 }
 
 impl Track {
-    fn new(incidents: &[Ray], group: &[Spot], labels: &[Vec<u8>], line: bool, part: Part) -> Track {
-        let mut track = Track::beside(incidents, group, line, part);
+    fn new(
+        incidents: &[Ray],
+        all: &[Spot],
+        group: &[Spot],
+        labels: &[Vec<u8>],
+        line: bool,
+        part: Part,
+    ) -> Track {
+        let mut track = Track::beside(incidents, all, group, line, part);
         if track.path.is_known() {
             let is_absent = |&k: &usize| {
                 let dark = |[x, y]: [f64; 2]| {
@@ -189,12 +196,15 @@ impl Track {
     }
 
     /// From its lobes alone.
-    fn beside(incidents: &[Ray], group: &[Spot], line: bool, part: Part) -> Track {
+    fn beside(incidents: &[Ray], all: &[Spot], group: &[Spot], line: bool, part: Part) -> Track {
         let mut group = group.to_vec();
         group.sort_by_key(|spot| spot.scan);
-        let own: Vec<Ray> = group.iter().map(|spot| incidents[spot.scan]).collect();
-        let centers: Vec<Ray> = group.iter().map(|spot| spot.lobe.center).collect();
-        let path = if line { Path::straight(part) } else { Path::new(part, &own, &centers) };
+        let of_lobe: Vec<_> =
+            group.iter().map(|spot| (spot.scan, spot.lobe.center, spot.lobe.power)).collect();
+        let mut others = vec![Vec::new(); incidents.len()];
+        all.iter().for_each(|spot| others[spot.scan].push(spot.lobe.center));
+        let seen = Seen { incidents, members: &of_lobe, others: &others };
+        let path = if line { Path::straight(part) } else { Path::new(part, &seen) };
         let member = |spot: &Spot| {
             let (incident, center) = (incidents[spot.scan], spot.lobe.center);
             let ([x, y], [u, v]) =
@@ -313,7 +323,7 @@ fn mapped(incidents: &[Ray], spots: &[Spot], free: &mut Vec<usize>, part: Part) 
 /// Free lobes of other scans that are where a track foresees them: maps need not be exact.
 fn claimed(incidents: &[Ray], spots: &[Spot], track: &[usize], free: &[usize], part: Part) -> Vec<usize> {
     let group: Vec<Spot> = track.iter().map(|&s| spots[s]).collect();
-    let track = Track::beside(incidents, &group, false, part);
+    let track = Track::beside(incidents, spots, &group, false, part);
     nearest(spots, free, |s| match track.member(spots[s].scan) {
         Some(_) => f64::INFINITY,
         None => track.surprise(incidents, &spots[s]),
@@ -347,7 +357,7 @@ fn joined(
     while first < tracks.len() && tracks[first].len() >= FEWEST {
         progress.go_on()?;
         let group: Vec<Spot> = tracks[first].iter().map(|&s| spots[s]).collect();
-        let track = Track::beside(incidents, &group, false, part);
+        let track = Track::beside(incidents, spots, &group, false, part);
         let foreseen =
             |&s: &usize| track.member(spots[s].scan).is_none() && track.surprise(incidents, &spots[s]) < 1.0;
         match (first + 1..tracks.len()).find(|&other| tracks[other].iter().all(foreseen)) {
