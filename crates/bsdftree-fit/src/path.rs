@@ -77,8 +77,6 @@ impl Path {
         guesses.truncate(N_POLISHED);
         let polish = |guess| polished(guess, |path| judge.misplaced(path));
         let best = guesses.into_iter().map(polish).min_by(|a, b| a.0.total_cmp(&b.0));
-            eprintln!("path n {} without {without:.4} best {best:?}", seen.members.len());
-        }
         match best {
             Some((error, path)) if error < HELPS * without => path,
             _ => straight,
