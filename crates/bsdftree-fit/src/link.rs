@@ -1,7 +1,22 @@
-//! Lobes of neighbouring scans that are alike → tracks.
+//! Which lobes of scans are one: lobes of all scans → groups, each of which becomes a track.
+//!
+//! Lobes that one map of `bsdftree::peaks` describes are one; of the others, those of neighbouring scans that deviate alike from where
+//! light goes straight or is mirrored, and have about the same power; and groups are joined if one foresees where the other is.
+
+use std::collections::BTreeMap;
+
+use bsdftree::Part;
+use bsdftree::peaks::map_of;
 
 use crate::lambert::{self, Ray};
 use crate::lobes::Lobe;
+use crate::path::on_side;
+use crate::progress::{Progress, Stopped};
+use crate::tracks::{EDGE, Track};
+
+/// One in so many scans has a lobe that a map is sought for, and at least [`FEWEST`].
+const RARITY: usize = 5;
+const FEWEST: usize = 6;
 
 /// Neighbours of a scan among which its lobes are looked for.
 const N_NEIGHBOURS: usize = 8;
@@ -32,8 +47,98 @@ impl Spot {
     }
 }
 
+/// Numbers of spots that are one lobe, for each lobe.
+pub(crate) fn followed(
+    incidents: &[Ray],
+    spots: &[Spot],
+    line: bool,
+    part: Part,
+    progress: &Progress,
+) -> Result<Vec<Vec<usize>>, Stopped> {
+    let mut free: Vec<usize> = (0..spots.len()).collect();
+    let mut tracks = if line { Vec::new() } else { mapped(incidents, spots, &mut free, part) };
+    tracks.extend(linked(incidents, spots, &free));
+    if line { Ok(tracks) } else { joined(incidents, spots, tracks, part, progress) }
+}
+
+/// Tracks that maps describe, as long as there are any; their lobes are free no more.
+fn mapped(incidents: &[Ray], spots: &[Spot], free: &mut Vec<usize>, part: Part) -> Vec<Vec<usize>> {
+    let least = incidents.len().div_ceil(RARITY).max(FEWEST);
+    let directions = |s: usize| {
+        let spot = &spots[s];
+        (on_side(incidents[spot.scan], part.incident_side()), on_side(spot.lobe.center, part.exitant_side()))
+    };
+    let mut tracks = Vec::new();
+    loop {
+        let peaks: Vec<_> = free.iter().map(|&s| directions(s)).collect();
+        let Some(map) = map_of(&peaks, EDGE, least) else { return tracks };
+        let apart = |s: usize| {
+            let (incident, exitant) = directions(s);
+            let there = map.exitant(incident, part.exitant_side());
+            there.map_or(f64::INFINITY, |[x, y, _]| (x - exitant[0]).hypot(y - exitant[1]) / EDGE)
+        };
+        let mut track = nearest(spots, free, apart);
+        if track.len() < least {
+            return tracks;
+        }
+        track.extend(claimed(incidents, spots, &track, free, part));
+        free.retain(|s| !track.contains(s));
+        tracks.push(track);
+    }
+}
+
+/// Free lobes of other scans that are where a track foresees them: maps need not be exact.
+fn claimed(incidents: &[Ray], spots: &[Spot], track: &[usize], free: &[usize], part: Part) -> Vec<usize> {
+    let group: Vec<Spot> = track.iter().map(|&s| spots[s]).collect();
+    let track = Track::beside(incidents, spots, &group, false, part);
+    nearest(spots, free, |s| match track.has(spots[s].scan) {
+        true => f64::INFINITY,
+        false => track.surprise(incidents, &spots[s]),
+    })
+}
+
+/// Of each scan the lobe that is least apart, if that is less than 1.
+fn nearest(spots: &[Spot], among: &[usize], apart: impl Fn(usize) -> f64) -> Vec<usize> {
+    let mut nearest: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
+    for (apart, s) in among.iter().map(|&s| (apart(s), s)).filter(|n| n.0 < 1.0) {
+        let best = nearest.entry(spots[s].scan).or_insert((apart, s));
+        if apart < best.0 {
+            *best = (apart, s);
+        }
+    }
+    nearest.into_values().map(|n| n.1).collect()
+}
+
+/// Tracks of which one foresees where all lobes of the other are, made one.
+fn joined(
+    incidents: &[Ray],
+    spots: &[Spot],
+    mut tracks: Vec<Vec<usize>>,
+    part: Part,
+    progress: &Progress,
+) -> Result<Vec<Vec<usize>>, Stopped> {
+    /// A track of fewer scans foresees nothing.
+    const FEWEST: usize = 4;
+    tracks.sort_by_key(|track| std::cmp::Reverse(track.len()));
+    let mut first = 0;
+    while first < tracks.len() && tracks[first].len() >= FEWEST {
+        progress.go_on()?;
+        let group: Vec<Spot> = tracks[first].iter().map(|&s| spots[s]).collect();
+        let track = Track::beside(incidents, spots, &group, false, part);
+        let foreseen = |&s: &usize| !track.has(spots[s].scan) && track.surprise(incidents, &spots[s]) < 1.0;
+        match (first + 1..tracks.len()).find(|&other| tracks[other].iter().all(foreseen)) {
+            Some(other) => {
+                let more = tracks.swap_remove(other);
+                tracks[first].extend(more);
+            }
+            None => first += 1,
+        }
+    }
+    Ok(tracks)
+}
+
 /// Those of the given spots that are one lobe; no track has two of one scan.
-pub(crate) fn linked(incidents: &[Ray], spots: &[Spot], among: &[usize]) -> Vec<Vec<usize>> {
+fn linked(incidents: &[Ray], spots: &[Spot], among: &[usize]) -> Vec<Vec<usize>> {
     let mut track: Vec<usize> = (0..spots.len()).collect();
     let mut members: Vec<Vec<usize>> = track.iter().map(|&s| vec![s]).collect();
     for (_, one, other) in pairs(incidents, spots, among) {

@@ -222,3 +222,59 @@ fn changed(map: Map, [dx, dy, dn]: [f64; 3]) -> Option<Map> {
         fixed => fixed,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lobe that a prism sends, in 25 scans; where it is reflected totally, or fainter than 0.02, it is not seen.
+    fn seen_of(map: Map) -> (Vec<Ray>, Vec<(usize, Ray, f64)>) {
+        let ring = |radius: f32, n: usize| {
+            (0..n).map(move |k| {
+                let phi = (k as f32 + 0.5 * radius) * std::f32::consts::TAU / n as f32;
+                lambert::direction([radius * phi.cos(), radius * phi.sin()])
+            })
+        };
+        let incidents: Vec<Ray> =
+            ring(0.0, 1).chain(ring(0.3, 6)).chain(ring(0.55, 8)).chain(ring(0.8, 10)).collect();
+        let part = Part::TransmissionBack;
+        let path = Path { part, map: Some(map) };
+        let member = |(k, &incident): (usize, &Ray)| {
+            let [x, y] = path.place(incident).filter(|[x, y]| x.hypot(*y) < 0.99)?;
+            let power = 0.7 * path.transmittance(incident, [x, y]);
+            let center = [x, y, (1.0 - x * x - y * y).sqrt()].map(|c| c as f32);
+            (power > 0.02).then_some((k, center, power))
+        };
+        let members = incidents.iter().enumerate().filter_map(member).collect();
+        (incidents, members)
+    }
+
+    fn found(incidents: &[Ray], members: &[(usize, Ray, f64)]) -> Path {
+        let mut others = vec![Vec::new(); incidents.len()];
+        members.iter().for_each(|m| others[m.0].push(m.1));
+        Path::new(Part::TransmissionBack, &Seen { incidents, members, others: &others })
+    }
+
+    #[test]
+    fn a_prism_is_known_by_its_lobe() {
+        let normal = normalized([0.0, -0.5, 0.866]).unwrap();
+        let (incidents, members) = seen_of(Map::Prism { normal, index: 1.49, flat_first: false });
+        let Some(Map::Prism { normal: [x, y, _], index, flat_first: false }) =
+            found(&incidents, &members).map
+        else {
+            panic!("no prism");
+        };
+        assert!(x.abs() < 0.02 && (y + 0.5).abs() < 0.02 && (index - 1.49).abs() < 0.03, "{x} {y} {index}");
+    }
+
+    #[test]
+    fn a_lobe_that_wanders_has_no_map() {
+        let (incidents, mut members) = seen_of(Map::Straight);
+        for (n, (_, center, power)) in members.iter_mut().enumerate() {
+            let by = 0.3 * (7.0 * n as f32).sin();
+            *center = lambert::direction([0.5 * by, 0.4 * (by + 0.1 * n as f32).cos()]);
+            *power = 0.3;
+        }
+        assert!(!found(&incidents, &members).is_known());
+    }
+}

@@ -1,23 +1,20 @@
 //! Lobes followed from scan to scan, and brought to incident directions between scans.
 //!
-//! Lobes that one map of `bsdftree::peaks` describes are one **track**; of the others, those of neighbouring scans that deviate alike from
-//! where light goes straight or is mirrored, and have about the same power; and tracks are joined if one foresees where the other is.
-//! Between scans the place, the power and the shape of a track are interpolated, each track for itself, so that two lobes that move
-//! differently, as those of a prismatic film do, do not blur. Where the way of the light is known ([`Path`]), places are interpolated
+//! A **track** is a lobe in all scans that have it ([`crate::link`] says which are one). Between scans the place, the power and the shape
+//! of a track are interpolated, each track for itself, so that two lobes that move differently, as those of a prismatic film do, do not blur. Where the way of the light is known ([`Path`]), places are interpolated
 //! beside it, powers in units of what surfaces let through, and a lobe ends where light is reflected totally.
 
 use std::collections::BTreeMap;
 
 use bsdftree::Part;
-use bsdftree::peaks::map_of;
 use rayon::prelude::*;
 
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Incidence, Line, Plane, Weights, lambert_radius};
 use crate::lambert::{self, Ray};
-use crate::link::{Spot, linked};
+use crate::link::{Spot, followed};
 use crate::lobes::{Lobe, NONE, lobes_of};
-use crate::path::{Path, Seen, cosines, on_side};
+use crate::path::{Path, Seen, cosines};
 use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 
@@ -25,11 +22,7 @@ use crate::raster::Raster;
 const FAINT: f64 = 5e-3;
 
 /// Lobes are known to this distance in the disk when maps are sought.
-const EDGE: f64 = 0.05;
-
-/// One in so many scans has a lobe that a map is sought for, and at least [`FEWEST`].
-const RARITY: usize = 5;
-const FEWEST: usize = 6;
+pub(crate) const EDGE: f64 = 0.05;
 
 /// Nearest scans: those with the largest weights, which come first.
 const N_NEAREST: usize = 3;
@@ -196,7 +189,7 @@ impl Track {
     }
 
     /// From its lobes alone.
-    fn beside(incidents: &[Ray], all: &[Spot], group: &[Spot], line: bool, part: Part) -> Track {
+    pub fn beside(incidents: &[Ray], all: &[Spot], group: &[Spot], line: bool, part: Part) -> Track {
         let mut group = group.to_vec();
         group.sort_by_key(|spot| spot.scan);
         let of_lobe: Vec<_> =
@@ -216,6 +209,11 @@ impl Track {
         let places =
             incidence_of(incidents, members.iter().map(|m| m.scan), line).expect("a track has members");
         Track { powers: places.clone(), absent: Vec::new(), members, path, places }
+    }
+
+    /// Whether a scan has it.
+    pub fn has(&self, scan: usize) -> bool {
+        self.member(scan).is_some()
     }
 
     fn member(&self, scan: usize) -> Option<&Member> {
@@ -244,7 +242,7 @@ impl Track {
     }
 
     /// How far from where it is foreseen a lobe is, in units of what can be foreseen so far from its scans.
-    fn surprise(&self, incidents: &[Ray], spot: &Spot) -> f64 {
+    pub fn surprise(&self, incidents: &[Ray], spot: &Spot) -> f64 {
         let incident = incidents[spot.scan];
         let gap = |m: &Member| lambert::distance(incident, incidents[m.scan]);
         let near = self.members.iter().map(gap).fold(f64::MAX, f64::min);
@@ -278,95 +276,4 @@ fn incidence_of(incidents: &[Ray], numbers: impl Iterator<Item = usize>, line: b
             numbers.iter().map(|&k| lambert::point(incidents[k]).map(f64::from)).collect();
         Incidence::Plane(Plane::new(&points, &numbers, Blend::Spline))
     })
-}
-
-/// Numbers of spots that are one lobe, for each lobe.
-fn followed(
-    incidents: &[Ray],
-    spots: &[Spot],
-    line: bool,
-    part: Part,
-    progress: &Progress,
-) -> Result<Vec<Vec<usize>>, Stopped> {
-    let mut free: Vec<usize> = (0..spots.len()).collect();
-    let mut tracks = if line { Vec::new() } else { mapped(incidents, spots, &mut free, part) };
-    tracks.extend(linked(incidents, spots, &free));
-    if line { Ok(tracks) } else { joined(incidents, spots, tracks, part, progress) }
-}
-
-/// Tracks that maps describe, as long as there are any; their lobes are free no more.
-fn mapped(incidents: &[Ray], spots: &[Spot], free: &mut Vec<usize>, part: Part) -> Vec<Vec<usize>> {
-    let least = incidents.len().div_ceil(RARITY).max(FEWEST);
-    let directions = |s: usize| {
-        let spot = &spots[s];
-        (on_side(incidents[spot.scan], part.incident_side()), on_side(spot.lobe.center, part.exitant_side()))
-    };
-    let mut tracks = Vec::new();
-    loop {
-        let peaks: Vec<_> = free.iter().map(|&s| directions(s)).collect();
-        let Some(map) = map_of(&peaks, EDGE, least) else { return tracks };
-        let apart = |s: usize| {
-            let (incident, exitant) = directions(s);
-            let there = map.exitant(incident, part.exitant_side());
-            there.map_or(f64::INFINITY, |[x, y, _]| (x - exitant[0]).hypot(y - exitant[1]) / EDGE)
-        };
-        let mut track = nearest(spots, free, apart);
-        if track.len() < least {
-            return tracks;
-        }
-        track.extend(claimed(incidents, spots, &track, free, part));
-        free.retain(|s| !track.contains(s));
-        tracks.push(track);
-    }
-}
-
-/// Free lobes of other scans that are where a track foresees them: maps need not be exact.
-fn claimed(incidents: &[Ray], spots: &[Spot], track: &[usize], free: &[usize], part: Part) -> Vec<usize> {
-    let group: Vec<Spot> = track.iter().map(|&s| spots[s]).collect();
-    let track = Track::beside(incidents, spots, &group, false, part);
-    nearest(spots, free, |s| match track.member(spots[s].scan) {
-        Some(_) => f64::INFINITY,
-        None => track.surprise(incidents, &spots[s]),
-    })
-}
-
-/// Of each scan the lobe that is least apart, if that is less than 1.
-fn nearest(spots: &[Spot], among: &[usize], apart: impl Fn(usize) -> f64) -> Vec<usize> {
-    let mut nearest: BTreeMap<usize, (f64, usize)> = BTreeMap::new();
-    for (apart, s) in among.iter().map(|&s| (apart(s), s)).filter(|n| n.0 < 1.0) {
-        let best = nearest.entry(spots[s].scan).or_insert((apart, s));
-        if apart < best.0 {
-            *best = (apart, s);
-        }
-    }
-    nearest.into_values().map(|n| n.1).collect()
-}
-
-/// Tracks of which one foresees where all lobes of the other are, made one.
-fn joined(
-    incidents: &[Ray],
-    spots: &[Spot],
-    mut tracks: Vec<Vec<usize>>,
-    part: Part,
-    progress: &Progress,
-) -> Result<Vec<Vec<usize>>, Stopped> {
-    /// A track of fewer scans foresees nothing.
-    const FEWEST: usize = 4;
-    tracks.sort_by_key(|track| std::cmp::Reverse(track.len()));
-    let mut first = 0;
-    while first < tracks.len() && tracks[first].len() >= FEWEST {
-        progress.go_on()?;
-        let group: Vec<Spot> = tracks[first].iter().map(|&s| spots[s]).collect();
-        let track = Track::beside(incidents, spots, &group, false, part);
-        let foreseen =
-            |&s: &usize| track.member(spots[s].scan).is_none() && track.surprise(incidents, &spots[s]) < 1.0;
-        match (first + 1..tracks.len()).find(|&other| tracks[other].iter().all(foreseen)) {
-            Some(other) => {
-                let more = tracks.swap_remove(other);
-                tracks[first].extend(more);
-            }
-            None => first += 1,
-        }
-    }
-    Ok(tracks)
 }
