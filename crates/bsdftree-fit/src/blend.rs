@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::frame::{Frame, LEAST_COSINE, Motion};
+use crate::frame::{Frame, LEAST_COSINE, Motion, Reflect};
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Weights};
 use crate::lambert::{self, Ray};
@@ -175,16 +175,22 @@ impl Layers {
         Slice { moved, bases, cosines, total, apart }
     }
 
-    /// The value of one pair, and the scan of the largest weight with the point where that is looked up. Lobes are not followed.
+    /// The scan of the largest weight, and the point where it is looked up. Lobes are not followed.
     #[inline]
-    pub fn value(&self, incident: Ray, weights: &Weights, o: Ray) -> (f32, (usize, [f32; 2])) {
+    pub fn nearest(&self, incident: Ray, weights: &Weights, o: Ray) -> (usize, [f32; 2]) {
+        let k = weights[0].0;
+        let motion = Motion::new(self.recipe.frame, incident, self.logs.incidents[k]);
+        (k, lambert::point(motion.apply(o)))
+    }
+
+    /// The value of one pair. Lobes are not followed.
+    #[inline]
+    pub fn value(&self, incident: Ray, weights: &Weights, o: Ray) -> f32 {
         let logs = &*self.logs;
-        let mut first = None;
         let mut sum = 0.0;
         for &(k, weight) in weights {
             let motion = Motion::new(self.recipe.frame, incident, logs.incidents[k]);
             let point = lambert::point(motion.apply(o));
-            first.get_or_insert((k, point));
             sum += weight as f32 * logs.logs[k].at(point);
         }
         let mut rest = (sum.exp() - logs.epsilon).max(0.0);
@@ -196,7 +202,7 @@ impl Layers {
             true => weights.iter().map(|&(k, weight)| weight as f32 * logs.bases[k].at(point)).sum(),
             false => 0.0,
         };
-        (base.max(0.0) + rest, first.expect("there is a scan"))
+        base.max(0.0) + rest
     }
 
     /// Everything that moves, as one.
@@ -205,11 +211,13 @@ impl Layers {
             scan: k,
             weight: weight as f32,
             motion: Motion::new(self.recipe.frame, incident, self.logs.incidents[k]),
+            incident: self.logs.incidents[k],
             log: &self.logs.logs[k],
             mask: None,
         };
         let terms = weights.iter().map(term).collect();
-        Moved { terms, offset: 0.0, epsilon: self.logs.epsilon, dark: 0.0 }
+        let half = (self.recipe.frame == Frame::Half).then_some(incident);
+        Moved { terms, half, offset: 0.0, epsilon: self.logs.epsilon, dark: 0.0 }
     }
 }
 
@@ -222,13 +230,14 @@ impl Logs {
             scan: k,
             weight: weight as f32,
             motion: Motion::between(followed.center, center),
+            incident: self.incidents[k],
             log: &self.logs[k],
             mask: Some((&tracks.labels[k], number)),
         };
         let mean: f64 = followed.scans.iter().map(|&(k, w, _)| w * track.power_in(k).ln()).sum();
         let offset = (followed.power.ln() - mean) as f32;
         let terms = followed.scans.iter().map(term).collect();
-        Moved { terms, offset, epsilon: self.epsilon * offset.exp(), dark: self.epsilon.ln() }
+        Moved { terms, half: None, offset, epsilon: self.epsilon * offset.exp(), dark: self.epsilon.ln() }
     }
 }
 
@@ -236,6 +245,8 @@ struct Term<'a> {
     scan: usize,
     weight: f32,
     motion: Motion,
+    /// That of the scan.
+    incident: Ray,
     log: &'a Raster,
     /// Pixels' lobes, and which one counts.
     mask: Option<(&'a [u8], u8)>,
@@ -261,6 +272,8 @@ impl Term<'_> {
 /// What moves as one.
 struct Moved<'a> {
     terms: Vec<Term<'a>>,
+    /// In the half-vector frame the incident direction.
+    half: Option<Ray>,
     /// Added to the logarithm.
     offset: f32,
     epsilon: f32,
@@ -287,6 +300,20 @@ impl Moved<'_> {
         }
         (log / sum + self.offset, (second / size - (first / size).powi(2)).max(0.0).sqrt())
     }
+
+    #[inline(always)]
+    fn value(&self, o: Ray) -> f32 {
+        let log = match self.half {
+            Some(incident) => {
+                let reflect = Reflect::new(incident, o);
+                let log =
+                    |term: &Term<'_>| term.weight * term.log.at(lambert::point(reflect.of(term.incident)));
+                self.terms.iter().map(log).sum::<f32>() + self.offset
+            }
+            None => self.log_at(o).0,
+        };
+        (log.exp() - self.epsilon).max(0.0)
+    }
 }
 
 /// Where scans with less weight than this see it, a lobe is dark.
@@ -308,9 +335,7 @@ impl Slice<'_> {
     /// The value in one direction.
     #[inline]
     pub fn value(&self, o: Ray) -> f32 {
-        let value = |moved: &Moved<'_>| (moved.log_at(o).0.exp() - moved.epsilon).max(0.0);
-        let rest = self.moved.iter().map(value).sum();
-        self.finished(rest, o)
+        self.finished(self.moved.iter().map(|moved| moved.value(o)).sum(), o)
     }
 
     /// The value, and how much scans differ there: of lobes, in the brightest.

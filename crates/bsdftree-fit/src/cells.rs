@@ -82,7 +82,7 @@ pub(crate) fn upper([x, y]: [f64; 2]) -> Ray {
 pub(crate) const FOUR: [usize; 4] = [4, 11, 13, 2];
 
 /// The exitant point that an incident one is paired with: a quarter turn on, so that their differences are spread evenly too.
-fn partner(point: usize) -> usize {
+pub(crate) fn partner(point: usize) -> usize {
     (STRATA - 1 - point % STRATA) * STRATA + point / STRATA
 }
 
@@ -91,9 +91,30 @@ fn is_smooth(low: f32, high: f32, mean: f32, level: f32, rough: f32) -> bool {
     high - low <= rough * mean.max(level)
 }
 
+/// The means of `f(exitant cell)(incident point, exitant point)` over an incident cell with each exitant one.
+pub(crate) fn means<F: Fn(usize, usize) -> f32>(
+    level: f32,
+    n: usize,
+    row: &mut [f32],
+    f: impl Fn(usize) -> F,
+) {
+    let first = |(c, mean): (usize, &mut f32)| {
+        let rough;
+        (*mean, rough) = first_mean(level, f(c));
+        rough
+    };
+    let rough: Vec<bool> = row.iter_mut().enumerate().map(first).collect();
+    let first = row.to_vec();
+    for (c, mean) in row.iter_mut().enumerate() {
+        if rough[c] || beside_edge(&first, n, c, level) {
+            *mean = fine_mean(level, n, f(c));
+        }
+    }
+}
+
 /// The mean of `f(incident point, exitant point)` over a pair of cells by two or four pairs, and whether they are too few.
 #[inline]
-pub(crate) fn first_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> (f32, bool) {
+fn first_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> (f32, bool) {
     /// Difference over which more points are taken: after two, after four.
     const ROUGH: [f32; 2] = [0.06, 0.2];
     let [a, b] = [FOUR[0], FOUR[1]].map(|i| f(i, partner(i)));
@@ -107,7 +128,7 @@ pub(crate) fn first_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> (f32, b
 }
 
 /// The mean over a pair of cells, of `n` along an axis, that a few pairs of points are too few for.
-pub(crate) fn fine_mean(level: f32, n: usize, f: impl Fn(usize, usize) -> f32) -> f32 {
+fn fine_mean(level: f32, n: usize, f: impl Fn(usize, usize) -> f32) -> f32 {
     /// Difference of sixteen over which all are taken: more than slopes have, less than edges.
     const ROUGH: f32 = 1.5;
     let (mut sum, mut low, mut high) = (0f32, f32::MAX, 0f32);
@@ -125,7 +146,7 @@ pub(crate) fn fine_mean(level: f32, n: usize, f: impl Fn(usize, usize) -> f32) -
 }
 
 /// Whether an exitant cell differs so much from one beside it that an edge may lie between its points.
-pub(crate) fn beside_edge(means: &[f32], n: usize, cell: usize, level: f32) -> bool {
+fn beside_edge(means: &[f32], n: usize, cell: usize, level: f32) -> bool {
     const ROUGH: f32 = 0.4;
     let (row, column) = (cell / n, cell % n);
     let beside = [

@@ -9,9 +9,10 @@ use crate::lambert::{self, Ray};
 use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 use crate::scales::{Sample, Scales};
+use crate::tree::Values;
 
 /// Pixels of an edge over which slices are summed.
-const N_SUMMED: usize = 128;
+pub(crate) const N_SUMMED: usize = 128;
 
 /// Smaller weights are left out of a [`Place`], which is asked for one pair and averaged with what is known otherwise.
 const LEAST_WEIGHT: f64 = 0.01;
@@ -41,6 +42,26 @@ pub(crate) struct Place {
     pub outside: f32,
 }
 
+/// All exitant directions for one incident direction, at the total that scans foresee.
+pub(crate) struct Scaled<'a> {
+    pub slice: Slice<'a>,
+    /// How far outside the measured incident directions it is \[disk\].
+    pub outside: f64,
+    /// Brings the slice to its total.
+    pub scale: f32,
+}
+
+impl Values for Scaled<'_> {
+    fn total(&self) -> f64 {
+        self.slice.total
+    }
+
+    #[inline]
+    fn value(&self, o: Ray) -> f32 {
+        self.slice.value(o) * self.scale
+    }
+}
+
 /// 1 − Σw², 0 at a scan.
 pub(crate) fn apart(weights: &Weights) -> f32 {
     (1.0 - weights.iter().map(|(_, w)| w * w).sum::<f64>()).clamp(0.0, 1.0) as f32
@@ -55,13 +76,13 @@ impl Forward {
         progress: &Progress,
     ) -> Result<Forward, Stopped> {
         let mut forward = Forward { scans, line, incidence, layers, scales: Vec::new() };
-        let directions = summed_directions();
+        let directions = summed_directions(N_SUMMED);
         let scales = |channel: usize| {
             let summed = summed(line, &directions, progress, |incident| {
                 let (slice, outside) = forward.slice(channel, incident);
                 let apart = slice.apart;
                 let total = slice.total;
-                (move |_: usize, o: Ray| slice.value(o), total, apart, outside)
+                (move |o: Ray| slice.value(o), total, apart, outside)
             })?;
             Ok(Scales::new(line, summed.iter().map(|s| s.to(s.total)).collect()))
         };
@@ -85,6 +106,13 @@ impl Forward {
         self.scales[channel].at(incident, apart, outside == 0.0)
     }
 
+    /// The slice of an incident direction with what brings it to its total.
+    pub fn scaled(&self, channel: usize, incident: Ray) -> Scaled<'_> {
+        let (slice, outside) = self.slice(channel, incident);
+        let scale = self.scale(channel, incident, slice.apart, outside);
+        Scaled { slice, outside, scale }
+    }
+
     pub fn place(&self, channel: usize, incident: Ray) -> Place {
         self.place_by(&self.incidence, channel, incident)
     }
@@ -101,9 +129,9 @@ impl Forward {
     }
 }
 
-/// Directions that slices are summed over.
-pub(crate) fn summed_directions() -> Vec<Ray> {
-    Raster::directions(N_SUMMED).filter(|d| d[2] > 0.0).collect()
+/// Directions that slices are summed over, in the pixels of an edge of `n`.
+pub(crate) fn summed_directions(n: usize) -> Vec<Ray> {
+    Raster::directions(n).filter(|d| d[2] > 0.0).collect()
 }
 
 /// A slice summed.
@@ -123,9 +151,9 @@ impl Summed {
     }
 }
 
-/// Slices summed over exitant directions at all nodes of [`Scales`]. `slice` makes of an incident direction a function of the number of an
-/// exitant one and that, the total, and how far from a scan and how far outside it is.
-pub(crate) fn summed<F: Fn(usize, Ray) -> f32>(
+/// Slices summed over exitant directions at all nodes of [`Scales`]. `slice` makes of an incident direction a function of an
+/// exitant one, the total, and how far from a scan and how far outside it is.
+fn summed<F: Fn(Ray) -> f32>(
     line: bool,
     directions: &[Ray],
     progress: &Progress,
@@ -135,7 +163,7 @@ pub(crate) fn summed<F: Fn(usize, Ray) -> f32>(
     let summed = |incident: Ray| {
         progress.go_on()?;
         let (value, total, apart, outside) = slice(incident);
-        let sum: f32 = directions.iter().enumerate().map(|(k, &o)| value(k, o) * o[2]).sum();
+        let sum: f32 = directions.iter().map(|&o| value(o) * o[2]).sum();
         Ok(Summed { sum: f64::from(sum * pixel), total, apart, outside })
     };
     Scales::nodes(line).into_par_iter().map(summed).collect()

@@ -85,13 +85,33 @@ impl Motion {
                 }
             }
             Motion::Turn(rows) => rows.map(|row| dot(row, o)),
-            Motion::Reflect { incident, other } => {
-                let h = [o[0] + incident[0], o[1] + incident[1], o[2] + incident[2]];
-                let length2 = dot(h, h).max(1e-12);
-                let scale = 2.0 * dot(h, *other) / length2;
-                [scale * h[0] - other[0], scale * h[1] - other[1], scale * h[2] - other[2]]
-            }
+            Motion::Reflect { incident, other } => Reflect::new(*incident, o).of(*other),
         }
+    }
+}
+
+/// A mirror at the half vector of a pair of directions.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reflect {
+    half: Ray,
+    /// Twice the half vector over its squared length.
+    twice: Ray,
+}
+
+impl Reflect {
+    #[inline(always)]
+    pub fn new(incident: Ray, o: Ray) -> Reflect {
+        let half = [o[0] + incident[0], o[1] + incident[1], o[2] + incident[2]];
+        let scale = 2.0 / dot(half, half).max(1e-12);
+        Reflect { half, twice: half.map(|x| scale * x) }
+    }
+
+    /// Where light from another direction leaves for.
+    #[inline(always)]
+    pub fn of(&self, other: Ray) -> Ray {
+        let along = dot(self.half, other);
+        let [x, y, z] = self.twice;
+        [along * x - other[0], along * y - other[1], along * z - other[2]]
     }
 }
 

@@ -152,10 +152,12 @@ impl Plane {
                 let m = n + 3;
                 let mut row: Vec<f64> = self.nodes.iter().map(|&node| kernel(node, inside)).collect();
                 row.extend([1.0, inside[0], inside[1]]);
-                (0..n)
-                    .map(|k| (k, (0..m).map(|j| inverse[k * m + j] * row[j]).sum::<f64>()))
-                    .map(|(k, w)| (self.scans[k], w))
-                    .collect()
+                // The inverse of a symmetric matrix is one too: rows added up are many sums side by side.
+                let mut sums = vec![0.0; n];
+                for (inverse, x) in inverse.chunks_exact(m).zip(row) {
+                    sums.iter_mut().zip(inverse).for_each(|(sum, y)| *sum += x * y);
+                }
+                self.scans.iter().copied().zip(sums).collect()
             }
         };
         (largest(weights), outside)

@@ -32,6 +32,7 @@ mod swapped;
 mod reciprocity;
 mod model;
 mod cells;
+mod averaged;
 mod tree;
 mod fit;
 

@@ -8,9 +8,8 @@ use bsdftree::{Direction, Part};
 use rayon::prelude::*;
 
 use crate::blend::{Layers, Recipe, Slice};
-use crate::cells;
 use crate::choose::{self, Score};
-use crate::forward::{self, Forward, Place, Summed, turned};
+use crate::forward::{self, Forward, Place, Scaled, Summed, turned};
 use crate::frame::Frame;
 use crate::lambert::{self, Ray};
 use crate::measurement::Symmetry;
@@ -19,6 +18,7 @@ use crate::progress::{Progress, Stopped};
 use crate::reciprocity::Reciprocity;
 use crate::scales::Scales;
 use crate::swapped::{Back, Estimates, Places, Swap};
+use crate::tree::Values;
 use crate::uncertainty::Uncertainty;
 
 /// Relative error between scans where none could be left out.
@@ -66,19 +66,24 @@ pub(crate) struct Both<'a> {
 }
 
 impl Both<'_> {
-    /// The directional-hemispherical total, in [0, 1]: that which scans foresee, outside of them with what swapped pairs say.
-    pub fn total(&self) -> f64 {
-        let growth = self.model.swapped.as_ref().map_or(1.0, |swapped| {
-            swapped.growths[self.channel].at(self.incident, self.slice.apart, self.outside == 0.0)
-        });
-        (self.slice.total * f64::from(growth)).min(1.0)
+    /// The value from scans forward alone.
+    #[inline]
+    fn forward(&self, o: Ray) -> f32 {
+        self.slice.value(o) * self.scale
     }
 
-    /// The value, not scaled to the total. What is known of the exitant direction as an incident one is looked up if it is not given.
     #[inline]
-    pub fn value(&self, o: Ray, there: Option<&Place>) -> f32 {
-        let forward = self.slice.value(o) * self.scale;
+    fn averaged(&self, forward: f32, o: Ray, there: Option<&Place>) -> f32 {
         self.estimates(o, there).map_or(forward, |both| both.of(forward))
+    }
+
+    /// What the value from scans forward counts, in [0, 1]. `there` is known of the exitant direction as an incident one.
+    #[inline]
+    pub fn share(&self, o: Ray, there: &Place) -> f32 {
+        self.model.swapped.as_ref().map_or(1.0, |swapped| {
+            let here = (self.incident, self.outside as f32);
+            swapped.back(self.channel).share(&self.slice, &self.model.forward.scans, here, o, there)
+        })
     }
 
     fn estimates(&self, o: Ray, there: Option<&Place>) -> Option<Estimates> {
@@ -98,6 +103,22 @@ impl Both<'_> {
         swapped.map_or(1.0, |swapped| {
             swapped.scales[self.channel].at(self.incident, self.slice.apart, self.outside == 0.0)
         })
+    }
+}
+
+impl Values for Both<'_> {
+    /// That which scans foresee, outside of them with what swapped pairs say.
+    fn total(&self) -> f64 {
+        let growth = self.model.swapped.as_ref().map_or(1.0, |swapped| {
+            swapped.growths[self.channel].at(self.incident, self.slice.apart, self.outside == 0.0)
+        });
+        (self.slice.total * f64::from(growth)).min(1.0)
+    }
+
+    /// Not scaled to the total.
+    #[inline]
+    fn value(&self, o: Ray) -> f32 {
+        self.averaged(self.forward(o), o, None)
     }
 }
 
@@ -199,35 +220,40 @@ impl Model {
 
     /// All exitant directions for one incident direction (upper hemisphere, and of an isotropic sample in the plane of its scans).
     pub(crate) fn slice(&self, channel: usize, incident: Ray) -> Both<'_> {
-        let (slice, outside) = self.forward.slice(channel, incident);
-        let scale = self.forward.scale(channel, incident, slice.apart, outside);
+        let Scaled { slice, outside, scale } = self.forward.scaled(channel, incident);
         Both { model: self, channel, incident, slice, outside, scale }
     }
 
-    /// What is known of exitant directions as incident ones, if that is worth keeping.
-    pub(crate) fn places(&self, channel: usize, exitant: &[[Ray; cells::N_POINTS]]) -> Vec<Place> {
-        match &self.swapped {
-            Some(swapped) if !self.forward.line => {
-                exitant.par_iter().flatten_iter().map(|&o| swapped.of.place(channel, o)).collect()
-            }
-            _ => Vec::new(),
-        }
+    /// Scans that swapped pairs are asked of, if they are in use.
+    pub(crate) fn back(&self) -> Option<&Forward> {
+        self.swapped.as_ref().map(|swapped| &*swapped.of)
     }
 
     /// Tables of what brings averages to their totals, and of what totals grow by.
     fn new_scales(&self, channel: usize, progress: &Progress) -> Result<(Scales, Scales), Stopped> {
         /// So far outside \[disk\] the total is half of what is foreseen and half of what averages have: 2° near the normal.
         const HALF: f64 = 0.025;
-        let directions = forward::summed_directions();
+        /// What swapped pairs change is smooth, so slices are summed over half as many pixels along an edge.
+        const N_PIXELS: usize = forward::N_SUMMED / 2;
+        let directions = forward::summed_directions(N_PIXELS);
         let swapped = self.swapped.as_ref().expect("swapped pairs are in use");
         let place = |&o: &Ray| swapped.places[channel].at(&swapped.of, channel, o).into_owned();
         let places: Vec<Place> = directions.par_iter().map(place).collect();
-        let summed = forward::summed(self.forward.line, &directions, progress, |incident| {
+        let summed = |incident: Ray| {
+            progress.go_on()?;
             let both = self.slice(channel, incident);
+            let mut sums = [0f64; 2];
+            for (&o, place) in directions.iter().zip(&places) {
+                let forward = both.forward(o);
+                let pair = [forward, both.averaged(forward, o, Some(place))];
+                sums.iter_mut().zip(pair).for_each(|(sum, value)| *sum += f64::from(value * o[2]));
+            }
             let (total, apart, outside) = (both.slice.total, both.slice.apart, both.outside);
-            let places = &places;
-            (move |k: usize, o: Ray| both.value(o, Some(&places[k])), total, apart, outside)
-        })?;
+            let ratio = if sums[0] > 0.0 { sums[1] / sums[0] } else { 1.0 };
+            Ok(Summed { sum: total * ratio, total, apart, outside })
+        };
+        let nodes = Scales::nodes(self.forward.line).into_par_iter();
+        let summed = nodes.map(summed).collect::<Result<Vec<Summed>, Stopped>>()?;
         let grown = |s: &Summed| {
             let share = s.outside / (s.outside + HALF);
             (s.total + share * (s.sum - s.total)).min(1.0)
@@ -243,7 +269,7 @@ impl Model {
         self.each(incident, exitant, |i| {
             let both = self.slice(channel, i);
             let factor = both.factor();
-            move |o| f64::from(both.value(o, None) * factor)
+            move |o| f64::from(both.value(o) * factor)
         })
     }
 
@@ -258,6 +284,7 @@ impl Model {
         let channel = scans[0].main();
         let both = self.slice(channel, incident);
         let factor = both.factor();
+        let swapped = self.swapped.as_ref();
         move |o| {
             let (slice, outside) = (&both.slice, both.outside);
             let mut blended = slice.blended(o);
@@ -266,21 +293,18 @@ impl Model {
                 slice.sum(o, |w, k, p| scans[k].noise.as_ref().map_or(0.0, |n| (w * n.at(p)).powi(2)));
             let noise = f64::from(noise2.sqrt() * both.scale * factor);
             blended.value *= both.scale;
-            let (apart, outside) = match both.estimates(o, None) {
-                None => (f64::from(slice.apart), outside),
-                Some(estimates) => {
-                    blended.value = estimates.of(blended.value) * factor;
-                    let mean = |forward: f32, back: f32| {
-                        f64::from(estimates.share * forward + (1.0 - estimates.share) * back)
-                    };
-                    let place = self.swapped.as_ref().expect("in use").places[channel].at(
-                        &self.swapped.as_ref().expect("in use").of,
-                        channel,
-                        o,
-                    );
-                    (mean(slice.apart, place.apart), mean(outside as f32, place.outside))
-                }
-            };
+            let place = swapped.map(|swapped| swapped.places[channel].near(o));
+            let (apart, outside) =
+                match place.and_then(|place| Some((both.estimates(o, Some(place))?, place))) {
+                    None => (f64::from(slice.apart), outside),
+                    Some((estimates, place)) => {
+                        blended.value = estimates.of(blended.value) * factor;
+                        let mean = |forward: f32, back: f32| {
+                            f64::from(estimates.share * forward + (1.0 - estimates.share) * back)
+                        };
+                        (mean(slice.apart, place.apart), mean(outside as f32, place.outside))
+                    }
+                };
             self.uncertainty.error(blended, apart, outside, covered, noise)
         }
     }

@@ -13,7 +13,8 @@ use crate::blend::{Layers, Slice};
 use crate::forward::{self, Forward, Place, turned};
 use crate::gridded::{Gridded, MOST_BEND};
 use crate::incidence::Incidence;
-use crate::lambert::Ray;
+use crate::lambert::{self, Ray};
+use crate::raster::Raster;
 use crate::residual::Blended;
 
 /// How many times worse than the mean over a scan an extrapolated value may be: it is the dim parts that are off most.
@@ -51,6 +52,9 @@ fn variance(back: &Back<'_>, apart: f32, outside: f32, doubt: f32, measured: boo
     apart * between.powi(2) + bend + unknown + (BEYOND * beyond * outside).powi(2) + LEAST_VARIANCE
 }
 
+/// Pixels of an edge for which other samples' weights are kept.
+const N_PIXELS: usize = 128;
+
 /// Both estimates of one pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Estimates {
@@ -68,7 +72,30 @@ impl Estimates {
 }
 
 impl Back<'_> {
-    /// The swapped pair's value and what the forward one counts. `here` is known of the incident direction, `there` of the exitant one.
+    /// What the forward estimate counts, in [0, 1]. The pair `here` is known of the incident direction, `there` of the exitant one.
+    #[inline]
+    pub fn share(
+        &self,
+        slice: &Slice<'_>,
+        scans: &[Gridded],
+        (incident, outside): (Ray, f32),
+        o: Ray,
+        there: &Place,
+    ) -> f32 {
+        let doubt = slice.nearest(o).map_or(0.0, |(k, point)| scans[k].doubt.at(point));
+        let forward = variance(self, slice.apart, outside, doubt, true);
+        let least = variance(self, there.apart, there.outside, 0.0, false);
+        if least > ENOUGH * forward {
+            return 1.0;
+        }
+        let turn = self.turn(o);
+        let (k, point) = self.layers.nearest(turned(o, turn), &there.weights, turned(incident, turn));
+        let doubt = self.scans[k].doubt.at(point);
+        let swapped = variance(self, there.apart, there.outside, doubt, false);
+        swapped / (forward + swapped)
+    }
+
+    /// The swapped pair's value, and what the forward one counts.
     #[inline]
     pub fn estimates(
         &self,
@@ -78,17 +105,17 @@ impl Back<'_> {
         o: Ray,
         there: &Place,
     ) -> Estimates {
-        let doubt = slice.nearest(o).map_or(0.0, |(k, point)| scans[k].doubt.at(point));
-        let forward = variance(self, slice.apart, outside, doubt, true);
-        let least = variance(self, there.apart, there.outside, 0.0, false);
-        if least > ENOUGH * forward {
-            return Estimates { swapped: 0.0, share: 1.0 };
+        let share = self.share(slice, scans, (incident, outside), o, there);
+        if share == 1.0 {
+            return Estimates { swapped: 0.0, share };
         }
-        let turn = if self.line { forward::turn(o) } else { [1.0, 0.0] };
-        let (value, (k, point)) = self.layers.value(turned(o, turn), &there.weights, turned(incident, turn));
-        let doubt = self.scans[k].doubt.at(point);
-        let swapped = variance(self, there.apart, there.outside, doubt, false);
-        Estimates { swapped: value * there.scale, share: swapped / (forward + swapped) }
+        let turn = self.turn(o);
+        let value = self.layers.value(turned(o, turn), &there.weights, turned(incident, turn));
+        Estimates { swapped: value * there.scale, share }
+    }
+
+    fn turn(&self, o: Ray) -> [f32; 2] {
+        if self.line { forward::turn(o) } else { [1.0, 0.0] }
     }
 }
 
@@ -119,10 +146,11 @@ impl<'a> Swap<'a> {
     }
 }
 
-/// What is known of directions as incident ones: of an isotropic sample a table by radius.
+/// What is known of directions as incident ones: a table by radius of an isotropic sample, by pixel of others.
 #[derive(Debug)]
 pub(crate) struct Places {
-    by_radius: Vec<Place>,
+    line: bool,
+    table: Vec<Place>,
 }
 
 impl Places {
@@ -132,14 +160,24 @@ impl Places {
             let z = 1.0 - r * r;
             forward.place(channel, [-(1.0 - z * z).max(0.0).sqrt(), 0.0, z])
         };
-        Places { by_radius: if forward.line { (0..N_RADII).map(at).collect() } else { Vec::new() } }
+        let table = match forward.line {
+            true => (0..N_RADII).map(at).collect(),
+            false => Raster::directions(N_PIXELS).map(|d| forward.place(channel, d)).collect(),
+        };
+        Places { line: forward.line, table }
     }
 
+    /// That of a direction itself, or within a step of the table by radius.
     pub fn at<'a>(&'a self, forward: &Forward, channel: usize, o: Ray) -> Cow<'a, Place> {
-        if self.by_radius.is_empty() {
-            return Cow::Owned(forward.place(channel, o));
+        match self.line {
+            true => Cow::Borrowed(self.near(o)),
+            false => Cow::Owned(forward.place(channel, o)),
         }
+    }
+
+    /// That of the nearest direction of the table: enough for errors.
+    pub fn near(&self, o: Ray) -> &Place {
         let r = (1.0 - o[2]).max(0.0).sqrt() * (N_RADII - 1) as f32;
-        Cow::Borrowed(&self.by_radius[(r + 0.5) as usize])
+        &self.table[if self.line { (r + 0.5) as usize } else { Raster::pixel(N_PIXELS, lambert::point(o)) }]
     }
 }

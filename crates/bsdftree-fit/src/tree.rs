@@ -9,10 +9,10 @@ use rayon::prelude::*;
 
 use crate::cells::{self, Cells};
 use crate::fit::FitError;
-use crate::forward::{Place, turned};
+use crate::forward::turned;
 use crate::lambert::Ray;
-use crate::model::{Both, Model};
-use crate::progress::Progress;
+use crate::model::Model;
+use crate::progress::{Progress, Stopped};
 
 impl Model {
     /// The finest tree of one channel. `others` are models of the light that leaves on the other side.
@@ -24,59 +24,32 @@ impl Model {
         progress: &Progress,
     ) -> Result<Tree, FitError> {
         let exitant: Vec<[Ray; cells::N_POINTS]> = (0..cells.n_exitant()).map(|c| cells.exitant(c)).collect();
-        let mut grid = vec![0f32; cells.n().pow(cells.rank.dimensions() as u32)];
-        let places = self.places(channel, &exitant);
+        let mut grid = match (cells.rank, self.back()) {
+            (Rank::Four, Some(back)) => self.averaged(channel, cells, (&exitant, back), progress)?,
+            _ => {
+                let done = || progress.count(1);
+                means(cells, &exitant, |i| self.turn(i), |i| self.slice(channel, i), done)?
+            }
+        };
         let rows = grid.par_chunks_mut(cells.n_exitant()).take(cells.n_incident()).enumerate();
         rows.try_for_each(|(cell, row)| {
-            self.fill(channel, cells, cell, others, (&exitant, &places), row);
-            progress.count(1)
+            progress.go_on()?;
+            self.to_total(channel, cells, cell, others, row);
+            Ok::<(), Stopped>(())
         })?;
         Ok(Tree::from_grid(cells.rank, &grid)?)
     }
 
-    /// One incident cell, brought to the total that was measured; with other parts no more than all light that came in.
-    fn fill(
-        &self,
-        channel: usize,
-        cells: Cells,
-        cell: usize,
-        others: &[&Model],
-        (exitant, places): (&[[Ray; cells::N_POINTS]], &[Place]),
-        row: &mut [f32],
-    ) {
-        let mut points = cells.incident(cell);
-        let turns = points.map(|i| self.turn(i));
-        points.iter_mut().zip(turns).for_each(|(i, turn)| *i = turned(*i, turn));
-        let slices: [OnceCell<Both<'_>>; cells::N_POINTS] = Default::default();
-        let slice = |k: usize| slices[k].get_or_init(|| self.slice(channel, points[k]));
-        let mean = |total: &dyn Fn(usize) -> f64| {
+    /// Brings an incident cell to the total that was measured; with other parts no more than all light that came in.
+    fn to_total(&self, channel: usize, cells: Cells, cell: usize, others: &[&Model], row: &mut [f32]) {
+        let points = cells.incident(cell).map(|i| turned(i, self.turn(i)));
+        let mean = |model: &Model| {
+            let total = |k: usize| model.slice(channel, points[k]).total();
             cells::FOUR.map(total).iter().sum::<f64>() / cells::FOUR.len() as f64
         };
-        let own = mean(&|k| slice(k).total());
-        let all =
-            own + others.iter().map(|other| mean(&|k| other.slice(channel, points[k]).total())).sum::<f64>();
+        let own = mean(self);
+        let all = own + others.iter().map(|other| mean(other)).sum::<f64>();
         let total = own / all.max(1.0);
-        let level = 0.2 * (total / std::f64::consts::PI) as f32;
-        let value = |c: usize| {
-            move |i: usize, o: usize| {
-                slice(i).value(turned(exitant[c][o], turns[i]), places.get(c * cells::N_POINTS + o))
-            }
-        };
-        let rough: Vec<bool> = row
-            .iter_mut()
-            .enumerate()
-            .map(|(c, mean)| {
-                let rough;
-                (*mean, rough) = cells::first_mean(level, value(c));
-                rough
-            })
-            .collect();
-        let first = row.to_vec();
-        for (c, mean) in row.iter_mut().enumerate() {
-            if rough[c] || cells::beside_edge(&first, cells.n(), c, level) {
-                *mean = cells::fine_mean(level, cells.n(), value(c));
-            }
-        }
         let sum = row.iter().map(|&v| f64::from(v)).sum::<f64>() * cells.omega();
         if sum > 0.0 {
             let scale = (total / sum) as f32;
@@ -132,6 +105,39 @@ impl Model {
             error(turned(exitant, turn))
         }
     }
+}
+
+/// All exitant directions for one incident direction.
+pub(crate) trait Values {
+    /// The directional-hemispherical total that is foreseen, in [0, 1].
+    fn total(&self) -> f64;
+
+    /// The value in one direction.
+    fn value(&self, o: Ray) -> f32;
+}
+
+/// Means over all pairs of cells, each incident one after `done` says whether to go on. `turn` brings an incident direction to where `slice` is asked.
+pub(crate) fn means<S: Values>(
+    cells: Cells,
+    exitant: &[[Ray; cells::N_POINTS]],
+    turn: impl Fn(Ray) -> [f32; 2] + Sync,
+    slice: impl Fn(Ray) -> S + Sync,
+    done: impl Fn() -> Result<(), Stopped> + Sync,
+) -> Result<Vec<f32>, Stopped> {
+    let mut grid = vec![0f32; cells.n().pow(cells.rank.dimensions() as u32)];
+    let rows = grid.par_chunks_mut(cells.n_exitant()).take(cells.n_incident()).enumerate();
+    rows.try_for_each(|(cell, row)| {
+        let points = cells.incident(cell);
+        let turns = points.map(&turn);
+        let slices: [OnceCell<S>; cells::N_POINTS] = std::array::from_fn(|_| OnceCell::new());
+        let at = |k: usize| slices[k].get_or_init(|| slice(turned(points[k], turns[k])));
+        let total = cells::FOUR.map(|k| at(k).total()).iter().sum::<f64>() / cells::FOUR.len() as f64;
+        let level = 0.2 * (total / std::f64::consts::PI) as f32;
+        let (at, turns) = (&at, &turns);
+        cells::means(level, cells.n(), row, |c| move |i, o| at(i).value(turned(exitant[c][o], turns[i])));
+        done()
+    })?;
+    Ok(grid)
 }
 
 /// Places in a leaf at which errors are taken.
