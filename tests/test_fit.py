@@ -354,7 +354,7 @@ main(sys.argv[2:])
 @pytest.mark.skipif(os.name != "posix", reason="SIGINT to a process is of POSIX")
 @pytest.mark.parametrize("doing", ["trying", "trees"])
 def test_ctrl_c_leaves_no_file(tmp_path, doing):
-    paths = Measurement(line_scans(gloss, n=2000)).save(tmp_path / "scans")
+    paths = Measurement(line_scans(gloss)).save(tmp_path / "scans")
     words = ["fit", *map(str, paths), "-o", str(tmp_path / "out.xml"), "--rank", "4", "--log2-res", "6"]
     process = subprocess.run([sys.executable, "-c", INTERRUPTED, doing, *words], capture_output=True, text=True)
     assert process.returncode == 1 and "Traceback" not in process.stderr and "Aborted" in process.stderr
