@@ -328,9 +328,10 @@ sys.path.insert(0, sys.argv[1])
 from test_fit import gloss, ring_scans
 import bsdftree
 scans = ring_scans(lambda i, o: gloss(i, o, 2.0), (0, 40), n=120)
-fitted = bsdftree.fit(bsdftree.Measurement(scans), symmetry="quadrilateral")
-bsdf, errors = fitted.trees(log2_res=4)
-print(hashlib.sha256((bsdf.to_xml() + errors.to_xml()).encode()).hexdigest())
+for reciprocal in (False, True):
+    fitted = bsdftree.fit(bsdftree.Measurement(scans), symmetry="quadrilateral", reciprocal=reciprocal)
+    bsdf, errors = fitted.trees(log2_res=4)
+    print(hashlib.sha256((bsdf.to_xml() + errors.to_xml()).encode()).hexdigest())
 """
 
 
