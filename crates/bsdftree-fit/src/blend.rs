@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::frame::{Frame, LEAST_COSINE, Motion, Reflect};
 use crate::gridded::Gridded;
-use crate::incidence::{Blend, Weights};
+use crate::incidence::{Blend, Weights, apart};
 use crate::lambert::{self, Ray};
 use crate::lobes;
 use crate::progress::{Progress, Stopped};
@@ -171,7 +171,7 @@ impl Layers {
         };
         let total = total.clamp(0.0, 1.0);
         let cosines = half.then(|| (held(incident[2], logs.least), logs.least));
-        let apart = (1.0 - weights.iter().map(|(_, w)| w * w).sum::<f64>()).clamp(0.0, 1.0) as f32;
+        let apart = apart(weights);
         Slice { moved, bases, cosines, total, apart }
     }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::blend::{Layers, Slice};
 use crate::gridded::Gridded;
-use crate::incidence::{Incidence, Weights};
+use crate::incidence::{Incidence, Weights, apart};
 use crate::lambert::{self, Ray};
 use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
@@ -60,11 +60,6 @@ impl Values for Scaled<'_> {
     fn value(&self, o: Ray) -> f32 {
         self.slice.value(o) * self.scale
     }
-}
-
-/// 1 − Σw², 0 at a scan.
-pub(crate) fn apart(weights: &Weights) -> f32 {
-    (1.0 - weights.iter().map(|(_, w)| w * w).sum::<f64>()).clamp(0.0, 1.0) as f32
 }
 
 impl Forward {

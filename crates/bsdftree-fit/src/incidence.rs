@@ -23,6 +23,11 @@ pub enum Blend {
 /// Numbers of scans with their weights.
 pub(crate) type Weights = Vec<(usize, f64)>;
 
+/// How far from a scan a direction with these weights is: 1 − Σw², 0 at a scan.
+pub(crate) fn apart(weights: &Weights) -> f32 {
+    (1.0 - weights.iter().map(|(_, w)| w * w).sum::<f64>()).clamp(0.0, 1.0) as f32
+}
+
 /// Measured incident directions, ready to be asked.
 #[derive(Clone, Debug)]
 pub(crate) enum Incidence {

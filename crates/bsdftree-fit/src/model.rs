@@ -124,8 +124,7 @@ impl Values for Both<'_> {
 
 impl Swapped {
     fn back(&self, channel: usize) -> Back<'_> {
-        let Forward { scans, layers, line, .. } = &*self.of;
-        Back { scans, layers: &layers[channel], line: *line, errors: self.errors }
+        Back::new(&self.of, channel, self.errors)
     }
 }
 

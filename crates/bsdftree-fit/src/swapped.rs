@@ -71,7 +71,12 @@ impl Estimates {
     }
 }
 
-impl Back<'_> {
+impl<'a> Back<'a> {
+    pub fn new(of: &'a Forward, channel: usize, errors: [f32; 2]) -> Back<'a> {
+        let Forward { scans, layers, line, .. } = of;
+        Back { scans, layers: &layers[channel], line: *line, errors }
+    }
+
     /// What the forward estimate counts, in [0, 1]. The pair `here` is known of the incident direction, `there` of the exitant one.
     #[inline]
     pub fn share(
@@ -131,8 +136,7 @@ pub(crate) struct Swap<'a> {
 
 impl<'a> Swap<'a> {
     pub fn back(&self) -> Back<'a> {
-        let Forward { scans, layers, line, .. } = self.of;
-        Back { scans, layers: &layers[self.channel], line: *line, errors: self.errors }
+        Back::new(self.of, self.channel, self.errors)
     }
 
     /// Predicts pairs from a slice without the scans that `incidence` leaves out, and from swapped pairs without them.
