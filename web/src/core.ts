@@ -53,6 +53,8 @@ interface Exports {
   bsdftree_cell(band: number, ix: number, iy: number, iz: number, ox: number, oy: number, oz: number): number;
   bsdftree_hemisphere(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
   bsdftree_edges(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
+  bsdftree_colours(band: number, ix: number, iy: number, iz: number, front: number, n: number, white: number): number;
+  bsdftree_slice(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
   bsdftree_totals(band: number, front: number, phi: number, n: number): number;
 }
 
@@ -81,9 +83,14 @@ export class Opened {
     return new Opened(core, name, told);
   }
 
+  /** The number of a band, −1 if there is none of that name: then all that is asked of it is empty. */
+  band(name: string): number {
+    return this.summary.bands.findIndex((band) => band.name === name);
+  }
+
   /** The cell of a pair of directions, null where nothing goes. */
   cell(band: number, [ix, iy, iz]: Direction, [ox, oy, oz]: Direction): Cell | null {
-    return JSON.parse(text(this.core, this.core.bsdftree_cell(band, ix, iy, iz, ox, oy, oz))) as Cell | null;
+    return JSON.parse(text(this.core, this.core.bsdftree_cell(band, ix, iy, iz, ox, oy, oz)) || "null") as Cell | null;
   }
 
   /** Values over a hemisphere, n × n, rows from the top (+Y); NaN outside of the disk. */
@@ -91,19 +98,32 @@ export class Opened {
     return this.numbers(this.core.bsdftree_hemisphere(band, ix, iy, iz, Number(front), n));
   }
 
-  /** 1 where cells meet, n × n. */
-  edges(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Uint8Array {
-    const length = this.core.bsdftree_edges(band, ix, iy, iz, Number(front), n);
-    return new Uint8Array(this.core.memory.buffer, this.core.bsdftree_pixels() >>> 0, length).slice();
+  /** The same as sRGB with alpha, 4 bytes for each pixel, transparent outside of the disk; `white` is the value [1/sr] that is full. */
+  colours(band: number, [ix, iy, iz]: Direction, front: boolean, n: number, white: number): Uint8Array {
+    return this.pixels(this.core.bsdftree_colours(band, ix, iy, iz, Number(front), n, white));
   }
 
-  /** n reflectances, then n transmittances, over angles of incidence from 0° to 90°. */
+  /** 1 where cells meet, n × n. */
+  edges(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Uint8Array {
+    return this.pixels(this.core.bsdftree_edges(band, ix, iy, iz, Number(front), n));
+  }
+
+  /** Values in the incidence plane at the middles of n steps from −90° to 90°; positive angles are those of mirrored and straight light. */
+  slice(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Float32Array {
+    return this.numbers(this.core.bsdftree_slice(band, ix, iy, iz, Number(front), n));
+  }
+
+  /** n reflectances, then n transmittances, at the middles of n steps of the angle of incidence from 0° to 90°; φ in radians. */
   totals(band: number, front: boolean, phi: number, n: number): Float32Array {
     return this.numbers(this.core.bsdftree_totals(band, Number(front), phi, n));
   }
 
   private numbers(length: number): Float32Array {
     return new Float32Array(this.core.memory.buffer, this.core.bsdftree_numbers() >>> 0, length).slice();
+  }
+
+  private pixels(length: number): Uint8Array {
+    return new Uint8Array(this.core.memory.buffer, this.core.bsdftree_pixels() >>> 0, length).slice();
   }
 }
 

@@ -1,46 +1,83 @@
-// Values to colours: logarithmic over four decades below the largest value, in matplotlib's viridis, which is even in lightness and safe
-// for colour-blind eyes. Nine of its colours, straight lines between.
+// Values to places between 0 and 1, and those to colours: a scale is logarithmic over four decades below its highest value, or linear from 0. Colours are
+// matplotlib's viridis, which is even in lightness and safe for colour-blind eyes: nine of its colours, straight lines between.
+
+import type { State } from "./state";
 
 const VIRIDIS = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725];
 const DECADES = 4;
 
-const TABLE = Uint32Array.from({ length: 256 }, (_, k) => {
+/** 256 pixels of RGBA, little-endian. */
+export const VIRIDIS_PIXELS = Uint32Array.from({ length: 256 }, (_, k) => {
   const place = (k / 255) * (VIRIDIS.length - 1);
   const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
   const channel = (shift: number): number => {
     const [a, b] = [VIRIDIS[below]! >> shift, VIRIDIS[below + 1]! >> shift].map((c) => c & 255) as [number, number];
     return Math.round(a + (b - a) * (place - below));
   };
-  // Little-endian RGBA.
   return (255 << 24) | (channel(0) << 16) | (channel(8) << 8) | channel(16);
 });
 
-/** The smallest value that has a colour of its own, for a largest one. */
-export function lowest(highest: number): number {
-  return highest / 10 ** DECADES;
-}
+export class Scale {
+  /** Up to `highest` [1/sr], which is positive. */
+  constructor(
+    readonly kind: "log" | "linear",
+    readonly highest: number,
+  ) {}
 
-/** Pixels of values; NaN is transparent, what is below the lowest has the lowest colour. */
-export function paint(values: Float32Array, highest: number): ImageData {
-  const size = Math.round(Math.sqrt(values.length));
-  const pixels = new Uint32Array(values.length);
-  const floor = lowest(highest);
-  const steps = 255 / (DECADES * Math.LN10);
-  for (let k = 0; k < values.length; k++) {
-    const value = values[k]!;
-    if (Number.isNaN(value)) continue;
-    const step = value > floor ? Math.log(value / floor) * steps : 0;
-    pixels[k] = TABLE[Math.min(255, Math.round(step))]!;
+  /** The scale of a view whose largest value is `largest`, unless the user holds another. */
+  static of({ scale, held }: State, largest: number): Scale {
+    return new Scale(scale, held ?? (largest > 0 && Number.isFinite(largest) ? largest : 1));
   }
-  return new ImageData(new Uint8ClampedArray(pixels.buffer), size);
+
+  /** The smallest value that is told from 0. */
+  get lowest(): number {
+    return this.kind === "log" ? this.highest / 10 ** DECADES : 0;
+  }
+
+  /** Where a value lies, 0 to 1. */
+  place(value: number): number {
+    if (!(value > this.lowest)) return 0;
+    const place = this.kind === "log" ? 1 + Math.log10(value / this.highest) / DECADES : value / this.highest;
+    return Math.min(1, place);
+  }
+
+  /** The value at a place. */
+  value(place: number): number {
+    return this.kind === "log" ? this.highest * 10 ** (DECADES * (place - 1)) : this.highest * place;
+  }
+
+  /** Pixels of a square of values; NaN is transparent. */
+  paint(values: Float32Array): ImageData {
+    const size = Math.round(Math.sqrt(values.length));
+    const pixels = new Uint32Array(values.length);
+    const { lowest, highest } = this;
+    const [log, steps] = this.kind === "log" ? [true, 255 / (DECADES * Math.LN10)] : [false, 255 / highest];
+    for (let k = 0; k < values.length; k++) {
+      const value = values[k]!;
+      if (Number.isNaN(value)) continue;
+      const step = value > lowest ? (log ? Math.log(value / lowest) : value) * steps : 0;
+      pixels[k] = VIRIDIS_PIXELS[Math.min(255, Math.round(step))]!;
+    }
+    return new ImageData(new Uint8ClampedArray(pixels.buffer), size);
+  }
+
+  /** Round values that are worth a label, from low to high. */
+  ticks(): number[] {
+    const { lowest, highest } = this;
+    if (this.kind === "log") {
+      const first = Math.ceil(Math.log10(lowest) - 1e-9);
+      return Array.from({ length: DECADES + 1 }, (_, k) => 10 ** (first + k)).filter((tick) => tick <= highest * (1 + 1e-9));
+    }
+    const rough = highest / 4;
+    const decade = 10 ** Math.floor(Math.log10(rough));
+    const step = decade * ([1, 2, 2.5, 5, 10].find((round) => round * decade >= rough) ?? 10);
+    return Array.from({ length: Math.floor(highest / step + 1e-9) + 1 }, (_, k) => k * step);
+  }
 }
 
-/** The colours from left to right. */
-export function paintLegend(canvas: HTMLCanvasElement): void {
-  const values = Float32Array.from({ length: 256 }, (_, k) => 10 ** ((k / 255 - 1) * DECADES));
-  const row = Uint32Array.from({ length: 256 * canvas.height }, (_, k) => {
-    const step = (Math.log10(values[k % 256]!) / DECADES + 1) * 255;
-    return TABLE[Math.round(step)]!;
-  });
-  canvas.getContext("2d")!.putImageData(new ImageData(new Uint8ClampedArray(row.buffer), 256), 0, 0);
+/** A value with four figures, no more characters than it needs. */
+export function short(value: number): string {
+  if (value === 0) return "0";
+  const text = value >= 1e-3 && value < 1e5 ? String(Number(value.toPrecision(4))) : value.toExponential(2);
+  return text.replace(/\.?0*e/, "e").replace("e+", "e");
 }

@@ -1,24 +1,36 @@
-// What is in a file, as a list of terms. Text goes in as text, never as markup.
+// What is in a file, as a list of terms.
 
-import type { Component, Summary } from "./core";
+import type { Component, Opened, Summary } from "./core";
+import { make } from "./dom";
+import type { State } from "./state";
+import type { View } from "./view";
 
-export function showSummary(place: HTMLElement, fileName: string, summary: Summary): void {
-  place.replaceChildren(heading(summary.name || fileName));
-  place.append(terms([["file", fileName], ["manufacturer", summary.manufacturer]]));
-  for (const band of summary.bands) {
-    for (const component of band.components) {
-      place.append(heading(`${component.part.replace("_", " ")}, ${band.name}`), terms(described(component)));
-    }
-  }
-  for (const note of summary.notes) {
-    const line = document.createElement("p");
-    line.className = "hint";
-    line.textContent = `${note.repaired ? "repaired" : "note"}: ${note.what}`;
-    place.append(line);
+export class FileView implements View {
+  readonly name = "File";
+  readonly element = make("section", { id: "summary" });
+  private shown: Opened[] = [];
+
+  draw({ first, compared }: State): void {
+    const files = [first, compared].filter((file) => file !== null);
+    if (files.length === this.shown.length && files.every((file, k) => file === this.shown[k])) return;
+    this.shown = files;
+    this.element.replaceChildren(...files.map((file) => described(file.name, file.summary)));
   }
 }
 
-function described({ form, ...component }: Component): [string, string][] {
+function described(fileName: string, summary: Summary): HTMLElement {
+  const place = make("article", {}, make("h2", {}, summary.name || fileName));
+  place.append(terms([["file", fileName], ["manufacturer", summary.manufacturer]]));
+  for (const { name, components } of summary.bands) {
+    for (const component of components) {
+      place.append(make("h3", {}, `${component.part.replace("_", " ")}, ${name}`), terms(figures(component)));
+    }
+  }
+  place.append(...summary.notes.map(({ repaired, what }) => make("p", { className: "hint" }, `${repaired ? "repaired" : "note"}: ${what}`)));
+  return place;
+}
+
+function figures({ form, ...component }: Component): [string, string][] {
   const shape: [string, string][] =
     form.rank === undefined
       ? [["matrix", `${form.incident_basis} (${form.n_incident}) to ${form.exitant_basis} (${form.n_exitant})`]]
@@ -34,19 +46,7 @@ function described({ form, ...component }: Component): [string, string][] {
   ];
 }
 
-function heading(text: string): HTMLElement {
-  const heading = document.createElement("h2");
-  heading.textContent = text;
-  return heading;
-}
-
 function terms(pairs: [string, string][]): HTMLElement {
-  const list = document.createElement("dl");
-  for (const [term, text] of pairs.filter(([, text]) => text !== "")) {
-    const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
-    dt.textContent = term;
-    dd.textContent = text;
-    list.append(dt, dd);
-  }
-  return list;
+  const told = pairs.filter(([, text]) => text !== "");
+  return make("dl", {}, ...told.flatMap(([term, text]) => [make("dt", {}, term), make("dd", {}, text)]));
 }

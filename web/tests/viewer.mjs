@@ -100,6 +100,7 @@ async function answersAsTheCore(page, path) {
     // The last lies where straight and mirrored light goes.
     for (const [x, y] of [[0.31, 0.42], [0.5, 0.12], [0.72, 0.66], [0.49, 0.51], [0.5, 0.75]]) {
       await page.mouse.move(box.x + x * box.width, box.y + y * box.height);
+      await settled(page);
       pairs.push(await page.locator("#readout").evaluate(({ dataset }) => ({ ...dataset })));
     }
   }

@@ -1,0 +1,81 @@
+// Files come in: by drop, by dialog, by whoever has bytes. Out: the state with one more open file; the first is shown, the second compared with it.
+
+import { Opened, Refused } from "./core";
+import { fromPolar, toPolar } from "./directions";
+import type { Store } from "./state";
+
+export class Loader {
+  constructor(
+    private readonly store: Store,
+    private readonly message: HTMLElement,
+  ) {}
+
+  /** Opens the bytes of a file; what is wrong with them is said in the message. `place` among the files that came with it: 0 is shown, 1 is compared with it, others are
+   * listed. */
+  async open(name: string, bytes: Uint8Array, place = 0): Promise<void> {
+    this.say(`reading ${name} …`);
+    const begun = performance.now();
+    try {
+      this.add(await Opened.open(name, bytes), place);
+    } catch (error) {
+      this.complain(error instanceof Refused ? `${name}: ${error.message}` : `${name} cannot be read: ${String(error)}`);
+      return;
+    }
+    this.say(`${name}, read in ${Math.round(performance.now() - begun)} ms`);
+  }
+
+  say(text: string): void {
+    this.message.className = "";
+    this.message.textContent = text;
+  }
+
+  complain(text: string): void {
+    this.message.className = "problem";
+    this.message.textContent = text;
+  }
+
+  /** Listens to the dialog and to drops anywhere on the page. */
+  listen(dialog: HTMLInputElement): void {
+    dialog.addEventListener("change", () => {
+      void this.openAll(dialog.files ?? []);
+      dialog.value = "";
+    });
+    document.addEventListener("dragover", (event) => {
+      event.preventDefault();
+      document.body.classList.add("dragging");
+    });
+    document.addEventListener("dragleave", () => document.body.classList.remove("dragging"));
+    document.addEventListener("drop", (event) => {
+      event.preventDefault();
+      document.body.classList.remove("dragging");
+      void this.openAll(event.dataTransfer?.files ?? []);
+    });
+  }
+
+  private async openAll(given: ArrayLike<File>): Promise<void> {
+    for (const [place, file] of Array.from(given).entries()) {
+      await this.open(file.name, new Uint8Array(await file.arrayBuffer()), place);
+    }
+  }
+
+  /** A file of the same name is taken for a newer state of it. */
+  private add(opened: Opened, place: number): void {
+    const { files, first, compared, incident } = this.store.state;
+    const all = [...files.filter(({ name }) => name !== opened.name), opened];
+    if (place > 0) {
+      const newer = first?.name === opened.name ? { first: opened } : {};
+      this.store.set({ files: all, held: null, ...newer, ...(place === 1 || compared?.name === opened.name ? { compared: opened } : {}) });
+      return;
+    }
+    const components = opened.summary.bands.flatMap((band) => band.components);
+    const { thetaDeg, phiDeg } = toPolar(incident);
+    this.store.set({
+      files: all,
+      first: opened,
+      compared: null,
+      held: null,
+      natural: components.some(({ is_coloured }) => is_coloured),
+      incident: fromPolar(thetaDeg, phiDeg, components[0]?.incident_front ?? true),
+    });
+  }
+}
