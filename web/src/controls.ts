@@ -13,6 +13,7 @@ export class Controls {
   private readonly band = found("band", HTMLSelectElement);
   private readonly part = found("part", HTMLSelectElement);
   private readonly scale = found("scale", HTMLSelectElement);
+  private readonly natural = found("natural", HTMLSelectElement);
   private readonly edges = found("edges", HTMLInputElement);
 
   constructor(private readonly store: Store) {
@@ -23,6 +24,7 @@ export class Controls {
     this.band.addEventListener("change", () => set({ band: this.band.value }));
     this.part.addEventListener("change", () => set({ part: this.part.value }));
     this.scale.addEventListener("change", () => set({ scale: this.scale.value === "log" ? "log" : "linear" }));
+    this.natural.addEventListener("change", () => set({ natural: this.natural.value !== "" }));
     this.edges.addEventListener("change", () => set({ edges: this.edges.checked }));
     [this.theta, this.phi].forEach((input) => input.addEventListener("input", () => this.typed()));
     this.side.addEventListener("change", () => this.typed());
@@ -36,6 +38,7 @@ export class Controls {
     fill(this.band, bands.map(({ name }) => name), state.band);
     fill(this.part, bands.find(({ name }) => name === state.band)?.components.map(({ part }) => part) ?? [], state.part);
     this.scale.value = state.scale;
+    this.natural.value = state.natural ? "natural" : "";
     this.edges.checked = state.edges;
     this.side.value = state.incident[2] > 0 ? "front" : "back";
     const { thetaDeg, phiDeg } = toPolar(state.incident);

@@ -43,6 +43,12 @@ export interface Cell {
   reversed: boolean;
 }
 
+/** How bright a value is: full at `highest` [1/sr], black that many powers of ten below; 0 is brightness in proportion. */
+export interface Tone {
+  readonly highest: number;
+  readonly decades: number;
+}
+
 interface Exports {
   memory: WebAssembly.Memory;
   bsdftree_reserve(n: number): number;
@@ -53,7 +59,10 @@ interface Exports {
   bsdftree_cell(band: number, ix: number, iy: number, iz: number, ox: number, oy: number, oz: number): number;
   bsdftree_hemisphere(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
   bsdftree_edges(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
-  bsdftree_colours(band: number, ix: number, iy: number, iz: number, front: number, n: number, white: number): number;
+  bsdftree_colours(band: number, ix: number, iy: number, iz: number, front: number, n: number, white: number, decades: number): number;
+  bsdftree_knots(front: number, n: number): number;
+  bsdftree_lobe(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
+  bsdftree_lobe_colours(band: number, ix: number, iy: number, iz: number, front: number, n: number, white: number, decades: number): number;
   bsdftree_slice(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
   bsdftree_totals(band: number, front: number, phi: number, n: number): number;
 }
@@ -98,9 +107,24 @@ export class Opened {
     return this.numbers(this.core.bsdftree_hemisphere(band, ix, iy, iz, Number(front), n));
   }
 
-  /** The same as sRGB with alpha, 4 bytes for each pixel, transparent outside of the disk; `white` is the value [1/sr] that is full. */
-  colours(band: number, [ix, iy, iz]: Direction, front: boolean, n: number, white: number): Uint8Array {
-    return this.pixels(this.core.bsdftree_colours(band, ix, iy, iz, Number(front), n, white));
+  /** The same as sRGB with alpha, 4 bytes for each pixel, transparent outside of the disk. */
+  colours(band: number, [ix, iy, iz]: Direction, front: boolean, n: number, { highest, decades }: Tone): Uint8Array {
+    return this.pixels(this.core.bsdftree_colours(band, ix, iy, iz, Number(front), n, highest, decades));
+  }
+
+  /** Directions of the (n + 2)² knots of a net over a hemisphere, at the middles of n × n cells and on their border, first coordinate slowest. */
+  knots(front: boolean, n: number): Float32Array {
+    return this.numbers(this.core.bsdftree_knots(Number(front), n));
+  }
+
+  /** Values at the knots. */
+  lobe(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Float32Array {
+    return this.numbers(this.core.bsdftree_lobe(band, ix, iy, iz, Number(front), n));
+  }
+
+  /** The same as sRGB with alpha, 4 bytes for each knot. */
+  lobeColours(band: number, [ix, iy, iz]: Direction, front: boolean, n: number, { highest, decades }: Tone): Uint8Array {
+    return this.pixels(this.core.bsdftree_lobe_colours(band, ix, iy, iz, Number(front), n, highest, decades));
   }
 
   /** 1 where cells meet, n × n. */

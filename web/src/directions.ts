@@ -23,3 +23,17 @@ export function fromDisk(x: number, y: number, front: boolean): Direction | null
   if (rest <= 0) return null;
   return [x, y, front ? Math.sqrt(rest) : -Math.sqrt(rest)];
 }
+
+/** What one press of an arrow key moves an incident direction, in degrees. */
+const STEP_DEG = 1;
+/** Nothing comes in along the surface itself. */
+export const MOST_THETA_DEG = 89.9;
+
+/** The direction after an arrow key: up and down are θ, left and right φ. Null for other keys. */
+export function stepped(direction: Direction, key: string): Direction | null {
+  const move = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] }[key];
+  if (!move) return null;
+  const { thetaDeg, phiDeg } = toPolar(direction);
+  const theta = Math.min(MOST_THETA_DEG, Math.max(0, thetaDeg + STEP_DEG * move[0]!));
+  return fromPolar(theta, phiDeg + STEP_DEG * move[1]!, direction[2] > 0);
+}

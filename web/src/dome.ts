@@ -6,11 +6,7 @@ import {
 } from "three";
 
 import type { Direction } from "./core";
-import { fromPolar, toPolar } from "./directions";
-
-/** What one press of an arrow key moves, in degrees. */
-const STEP_DEG = 1;
-const MOST_THETA_DEG = 89.9;
+import { fromPolar, MOST_THETA_DEG, stepped, toPolar } from "./directions";
 
 export class Dome {
   private readonly renderer: WebGLRenderer;
@@ -71,12 +67,10 @@ export class Dome {
     });
     this.canvas.addEventListener("pointerup", () => this.moved(this.direction, false));
     this.canvas.addEventListener("keydown", (event) => {
-      const move = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] }[event.key];
-      if (!move) return;
+      const stepTo = stepped(this.direction, event.key);
+      if (!stepTo) return;
       event.preventDefault();
-      const { thetaDeg, phiDeg } = toPolar(this.direction);
-      const theta = Math.min(MOST_THETA_DEG, Math.max(0, thetaDeg + STEP_DEG * move[0]!));
-      this.moved(fromPolar(theta, phiDeg + STEP_DEG * move[1]!, this.direction[2] > 0), false);
+      this.moved(stepTo, false);
     });
   }
 

@@ -3,15 +3,16 @@
 import { Controls } from "./controls";
 import { found } from "./dom";
 import { Dome } from "./dome";
-import { FileView } from "./summary";
 import { Loader } from "./load";
+import { Lobes } from "./lobes";
 import { PolarMaps } from "./polar";
 import { read } from "./readout";
 import { type State, Store } from "./state";
+import { FileView } from "./summary";
 import { Tabs, type View } from "./view";
 
 const store = new Store(draw);
-const views: View[] = [new PolarMaps(store.set), new FileView()];
+const views: View[] = [new Lobes(store.set), new PolarMaps(store.set), new FileView()];
 const tabs = new Tabs(views, found("tabs", HTMLElement), found("stage", HTMLElement), () => draw(store.state));
 const controls = new Controls(store);
 const dome = new Dome(found("dome", HTMLCanvasElement), (incident, moving) => store.set({ incident, moving }));

@@ -37,7 +37,10 @@ export class PolarMaps implements View {
     const scale = Scale.of(state, Math.max(...largest));
     this.maps.forEach((map, k) => {
       const edges = state.edges && !state.moving ? file.edges(band, state.incident, fronts[k]!, n) : null;
-      map.draw(fronts[k]!, scale.paint(pictures[k]!), edges, largest[k] === 0);
+      const picture = state.natural
+        ? new ImageData(new Uint8ClampedArray(file.colours(band, state.incident, fronts[k]!, n, scale)), n)
+        : scale.paint(pictures[k]!);
+      map.draw(fronts[k]!, picture, edges, largest[k] === 0);
     });
     this.legend.draw(state, scale);
   }
@@ -54,7 +57,7 @@ class PolarMap {
     pointed: (exitant: Direction | null) => void,
   ) {
     this.canvas = make("canvas", { id });
-    this.element = make("figure", {}, this.caption, this.canvas);
+    this.element = make("figure", {}, this.caption, make("div", { className: "square" }, this.canvas));
     this.canvas.addEventListener("pointermove", (event) => pointed(this.under(event)));
     this.canvas.addEventListener("pointerdown", (event) => pointed(this.under(event)));
     this.canvas.addEventListener("pointerleave", () => pointed(null));

@@ -29,6 +29,11 @@ export class Scale {
     return new Scale(scale, held ?? (largest > 0 && Number.isFinite(largest) ? largest : 1));
   }
 
+  /** Powers of ten that it spans; 0 for a linear one. */
+  get decades(): number {
+    return this.kind === "log" ? DECADES : 0;
+  }
+
   /** The smallest value that is told from 0. */
   get lowest(): number {
     return this.kind === "log" ? this.highest / 10 ** DECADES : 0;

@@ -3,10 +3,11 @@
 //! An instance holds **one** BSDF. Two files are two instances, so nothing is looked up by a handle, and closing a file gives all of
 //! its memory back. In: what the caller writes where [`bsdftree_reserve`] says. Out: a length, and that many characters or numbers where
 //! [`bsdftree_text`], [`bsdftree_numbers`] or [`bsdftree_pixels`] says, until the next call. Places are good until the next call, since
-//! memory may grow. No logic of its own: answers are those of [`view`] and [`summary`].
+//! memory may grow. No logic of its own: answers are those of [`view`], [`lobe`] and [`summary`].
 //!
 //! Bands count as in the file. What cannot be answered, because nothing is open or there is no such band, is an answer of length 0.
 
+pub mod lobe;
 pub mod summary;
 pub mod view;
 
@@ -15,6 +16,8 @@ use std::cell::RefCell;
 use bsdftree::file;
 use bsdftree::xml::Strictness;
 use bsdftree::{Band, Bsdf, Part, Side};
+
+use crate::view::Tone;
 
 /// What an instance holds.
 #[derive(Default)]
@@ -152,8 +155,40 @@ pub extern "C" fn bsdftree_colours(
     front: u32,
     n: usize,
     white: f64,
+    decades: f64,
 ) -> usize {
-    painted(band, |band| view::colours(band, [ix, iy, iz], side(front), n, white))
+    painted(band, |band| view::colours(band, [ix, iy, iz], side(front), n, Tone { white, decades }))
+}
+
+/// The directions of the net of a hemisphere, three numbers each; see [`lobe::knots`].
+#[unsafe(no_mangle)]
+pub extern "C" fn bsdftree_knots(front: u32, n: usize) -> usize {
+    with(|instance| {
+        let knots = lobe::knots(side(front), n);
+        instance.numbers = knots.into_iter().flatten().map(|c| c as f32).collect();
+        instance.numbers.len()
+    })
+}
+
+/// See [`lobe::lobe`].
+#[unsafe(no_mangle)]
+pub extern "C" fn bsdftree_lobe(band: usize, ix: f64, iy: f64, iz: f64, front: u32, n: usize) -> usize {
+    counted(band, |band, _| lobe::lobe(band, [ix, iy, iz], side(front), n))
+}
+
+/// See [`lobe::lobe_colours`].
+#[unsafe(no_mangle)]
+pub extern "C" fn bsdftree_lobe_colours(
+    band: usize,
+    ix: f64,
+    iy: f64,
+    iz: f64,
+    front: u32,
+    n: usize,
+    white: f64,
+    decades: f64,
+) -> usize {
+    painted(band, |band| lobe::lobe_colours(band, [ix, iy, iz], side(front), n, Tone { white, decades }))
 }
 
 /// See [`view::edges`].

@@ -29,20 +29,42 @@ pub fn hemisphere(band: &Band, incident: Direction, side: Side, n: usize) -> Vec
     disk.spread(&values(band, incident, &disk.exitant), f32::NAN)
 }
 
-/// The same as pixels of sRGB with alpha, 0 outside of the disk; `white` is the value \[1/sr\] that is full. Grey is grey: the white of
-/// colours in files, that of equal energy, becomes that of the screen.
-pub fn colours(band: &Band, incident: Direction, side: Side, n: usize, white: f64) -> Vec<u8> {
+/// How bright a value is on the screen.
+#[derive(Clone, Copy, Debug)]
+pub struct Tone {
+    /// The value \[1/sr\] that is full.
+    pub white: f64,
+    /// Powers of ten from black to full; 0 is brightness in proportion to the value.
+    pub decades: f64,
+}
+
+impl Tone {
+    /// Grey is grey: the white of colours in files, that of equal energy, becomes that of the screen.
+    fn pixel(self, xyz: [f64; 3]) -> [u8; 4] {
+        let luminance = xyz[1];
+        let factor = if self.decades == 0.0 {
+            1.0 / self.white
+        } else if luminance > 0.0 {
+            (1.0 + (luminance / self.white).log10() / self.decades).clamp(0.0, 1.0) / luminance
+        } else {
+            0.0
+        };
+        let [r, g, b] = rgb_from_xyz(xyz.map(|c| c * factor)).map(srgb);
+        [r, g, b, 255]
+    }
+}
+
+/// The same as pixels of sRGB with alpha, 0 outside of the disk.
+pub fn colours(band: &Band, incident: Direction, side: Side, n: usize, tone: Tone) -> Vec<u8> {
     let disk = Disk::new(side, n);
-    let mut xyz = vec![[0.0; 3]; disk.exitant.len()];
-    band.eval_xyz_many(&vec![incident; disk.exitant.len()], &disk.exitant, &mut xyz);
-    let pixels: Vec<[u8; 4]> = xyz
-        .into_iter()
-        .map(|xyz| {
-            let [r, g, b] = rgb_from_xyz(xyz.map(|c| c / white)).map(srgb);
-            [r, g, b, 255]
-        })
-        .collect();
-    disk.spread(&pixels, [0; 4]).concat()
+    disk.spread(&pixels(band, incident, &disk.exitant, tone), [0; 4]).concat()
+}
+
+/// Opaque pixels of sRGB for one incident direction.
+pub fn pixels(band: &Band, incident: Direction, exitant: &[Direction], tone: Tone) -> Vec<[u8; 4]> {
+    let mut xyz = vec![[0.0; 3]; exitant.len()];
+    band.eval_xyz_many(&vec![incident; exitant.len()], exitant, &mut xyz);
+    xyz.into_iter().map(|xyz| tone.pixel(xyz)).collect()
 }
 
 /// IEC 61966-2-1's curve.
@@ -278,9 +300,16 @@ mod tests {
     fn grey_is_grey_and_full_at_white() {
         let mut band = Band::new("Visible");
         band.insert(Part::ReflectionBack, Component::grey(Tree::uniform(Rank::Four, 0.25).into()));
-        let pixels = colours(&band, [0.0, 0.0, 1.0], Side::Front, 9, 0.25);
-        assert_eq!(pixels[..4], [0; 4]);
-        let middle = 4 * (9 * 4 + 4);
-        assert!(pixels[middle..middle + 4].iter().all(|&c| c >= 254), "{:?}", &pixels[middle..middle + 4]);
+        for (white, decades) in [(0.25, 0.0), (0.25, 4.0)] {
+            let pixels = colours(&band, [0.0, 0.0, 1.0], Side::Front, 9, Tone { white, decades });
+            assert_eq!(pixels[..4], [0; 4]);
+            let middle = 4 * (9 * 4 + 4);
+            let middle = &pixels[middle..middle + 4];
+            assert!(middle.iter().all(|&c| c >= 254), "{middle:?}");
+        }
+        // A hundredth is half of four decades.
+        let pixel = Tone { white: 25.0, decades: 4.0 }.pixel([0.25; 3]);
+        assert!(pixel[..3].iter().all(|&c| c.abs_diff(srgb(0.5)) <= 1), "{pixel:?}");
+        assert_eq!(Tone { white: 25.0, decades: 4.0 }.pixel([0.0; 3]), [0, 0, 0, 255]);
     }
 }
