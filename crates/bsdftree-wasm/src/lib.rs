@@ -3,19 +3,24 @@
 //! An instance holds **one** BSDF. Two files are two instances, so nothing is looked up by a handle, and closing a file gives all of
 //! its memory back. In: what the caller writes where [`bsdftree_reserve`] says. Out: a length, and that many characters or numbers where
 //! [`bsdftree_text`], [`bsdftree_numbers`] or [`bsdftree_pixels`] says, until the next call. Places are good until the next call, since
-//! memory may grow. No logic of its own: answers are those of [`view`], [`lobe`] and [`summary`].
+//! memory may grow. No logic of its own: answers are those of the other modules; exports about whole
+//! components and about a second file beside the one that is open are in `whole.rs`.
 //!
 //! Bands count as in the file. What cannot be answered, because nothing is open or there is no such band, is an answer of length 0.
 
+pub mod beside;
 pub mod lobe;
+pub mod mosaic;
+pub mod statistics;
 pub mod summary;
 pub mod view;
+mod whole;
 
 use std::cell::RefCell;
 
 use bsdftree::file;
 use bsdftree::xml::Strictness;
-use bsdftree::{Band, Bsdf, Part, Side};
+use bsdftree::{Band, Bsdf, Direction, Side};
 
 use crate::view::Tone;
 
@@ -23,11 +28,36 @@ use crate::view::Tone;
 #[derive(Default)]
 struct Instance {
     bsdf: Bsdf,
+    /// A second one, to be held against it: standard errors, or another state of the device.
+    beside: Option<Beside>,
     /// From the caller, eight bytes each, so that directions are aligned.
     input: Vec<u64>,
     text: String,
     numbers: Vec<f32>,
     pixels: Vec<u8>,
+}
+
+struct Beside {
+    bsdf: Bsdf,
+    /// Whether its values are the standard errors of the other's.
+    are_errors: bool,
+}
+
+impl Instance {
+    /// The standard errors of a band.
+    fn errors_of(&self, band: &Band) -> Option<&Band> {
+        self.beside.as_ref().filter(|beside| beside.are_errors)?.bsdf.band(&band.name)
+    }
+
+    /// A cell, with its standard error where that is known.
+    fn cell(&self, band: &Band, incident: Direction, exitant: Direction) -> serde_json::Value {
+        let mut cell = summary::cell(band, incident, exitant);
+        let error = self.errors_of(band).and_then(|errors| beside::standard_error(errors, incident, exitant));
+        if let (Some(cell), Some(error)) = (cell.as_object_mut(), error) {
+            cell.insert("standard_error".into(), error.into());
+        }
+        cell
+    }
 }
 
 thread_local! {
@@ -105,7 +135,7 @@ pub extern "C" fn bsdftree_open(n: usize, repair: u32) -> usize {
         let strictness = if repair != 0 { Strictness::Repair } else { Strictness::Strict };
         instance.text = match file::read_bytes(&bytes[..n.min(bytes.len())], strictness) {
             Ok((bsdf, repairs)) => {
-                instance.bsdf = bsdf;
+                (instance.bsdf, instance.beside) = (bsdf, None);
                 summary::summary(&instance.bsdf, &repairs).to_string()
             }
             Err(error) => summary::refused(&error).to_string(),
@@ -125,7 +155,7 @@ pub extern "C" fn bsdftree_peaks(band: usize) -> usize {
 pub extern "C" fn bsdftree_cell(band: usize, ix: f64, iy: f64, iz: f64, ox: f64, oy: f64, oz: f64) -> usize {
     told(|instance| {
         let band = instance.bsdf.bands.get(band)?;
-        Some(summary::cell(band, [ix, iy, iz], [ox, oy, oz]).to_string())
+        Some(instance.cell(band, [ix, iy, iz], [ox, oy, oz]).to_string())
     })
 }
 
@@ -209,13 +239,10 @@ pub extern "C" fn bsdftree_totals(band: usize, front: u32, phi: f64, n: usize) -
     counted(band, |band, _| view::totals(band, side(front), phi, n))
 }
 
-/// See [`view::mosaic`]. Components count as in [`Part::ALL`].
+/// See [`view::depths`].
 #[unsafe(no_mangle)]
-pub extern "C" fn bsdftree_mosaic(band: usize, part: usize, log2_res: u32) -> usize {
-    counted(band, |band, _| {
-        let component = Part::ALL.get(part).and_then(|&part| band.component(part));
-        component.map(|component| view::mosaic(&component.luminance, log2_res)).unwrap_or_default()
-    })
+pub extern "C" fn bsdftree_depths(band: usize, ix: f64, iy: f64, iz: f64, front: u32, n: usize) -> usize {
+    counted(band, |band, _| view::depths(band, [ix, iy, iz], side(front), n))
 }
 
 #[cfg(test)]

@@ -8,6 +8,9 @@ use bsdftree::xml::{Repair, Severity};
 use bsdftree::{Band, Bsdf, Component, Direction, Part, Scattering, Side};
 use serde_json::{Value, json};
 
+use crate::beside::says_errors;
+use crate::mosaic::{Layout, finest};
+
 /// A file that was refused.
 pub fn refused(error: &FileError) -> Value {
     json!({ "error": error.to_string() })
@@ -27,6 +30,7 @@ pub fn summary(bsdf: &Bsdf, repairs: &[Repair]) -> Value {
         "size": [header.width, header.height, header.thickness],
         "has_geometry": header.geometry.is_some(),
         "provenance": header.provenance,
+        "has_errors": says_errors(bsdf),
         "bands": bands,
         "notes": notes,
     })
@@ -111,5 +115,17 @@ pub fn cell(band: &Band, incident: Direction, exitant: Direction) -> Value {
         // Beyond what numbers of JavaScript hold.
         "key": cell.key.to_string(),
         "reversed": reversed,
+    })
+}
+
+/// How the mosaic of a function lies: tiles, and how fine tiles and their pixels can be.
+pub fn layout(function: &Scattering, log2_tiles: u32) -> Value {
+    let layout = Layout::new(function, log2_tiles);
+    let [finest_tiles, finest_exitant] = finest(function);
+    json!({
+        "columns": layout.columns,
+        "rows": layout.rows,
+        "finest_log2_tiles": finest_tiles,
+        "finest_log2_exitant": finest_exitant,
     })
 }

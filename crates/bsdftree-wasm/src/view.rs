@@ -1,4 +1,4 @@
-//! What pictures are made of: values over hemispheres, slices, totals and the whole function, from look-ups of the core.
+//! What pictures are made of: values over hemispheres, slices and totals, from look-ups of the core.
 //!
 //! In: a [`Band`] and a direction. Out: arrays in the order that they are painted, row by row from the top; f32, as trees have them, in 1/sr
 //! without a cosine. A hemisphere is seen as the disk of (x, y), so that equal areas are equal projected solid angles; Y is up and X
@@ -6,15 +6,13 @@
 
 use bsdftree::color::rgb_from_xyz;
 use bsdftree::direction::direction_from_polar;
-use bsdftree::square::disk_from_square;
-use bsdftree::{Band, Direction, Lobes, Rank, Scattering, Side};
+use bsdftree::{Band, Direction, Lobes, Side};
 use std::f64::consts::FRAC_PI_2;
+
+use crate::mosaic::depth;
 
 /// The widest picture \[pixel\].
 const MOST_PIXELS: usize = 2048;
-
-/// The finest mosaic: 2^6 cells per axis are 4096 × 4096 pixels.
-const MOST_LOG2_RES: u32 = 6;
 
 /// Values \[1/sr\] for one incident direction.
 pub fn values(band: &Band, incident: Direction, exitant: &[Direction]) -> Vec<f32> {
@@ -93,6 +91,17 @@ pub fn edges(band: &Band, incident: Direction, side: Side, n: usize) -> Vec<u8> 
         .collect()
 }
 
+/// How fine the cells are that an exitant hemisphere is cut into ([`depth`]), `n` × `n`; NaN outside of the disk and where nothing goes.
+pub fn depths(band: &Band, incident: Direction, side: Side, n: usize) -> Vec<f32> {
+    let disk = Disk::new(side, n);
+    let mut extents = vec![f64::NAN; disk.exitant.len()];
+    if let Some((component, reversed)) = band.answering(Side::of(incident), side) {
+        let incident = vec![incident; disk.exitant.len()];
+        component.luminance.projected_solid_angle_many(&incident, &disk.exitant, reversed, &mut extents);
+    }
+    disk.spread(&extents.into_iter().map(depth).collect::<Vec<f32>>(), f32::NAN)
+}
+
 /// Values \[1/sr\] in the incidence plane, for `n` angles from the normal between −90° and 90°, at the middles of equal steps. Positive ones lie on
 /// the side that mirrored and straight light goes to. At normal incidence the plane is that of X.
 pub fn slice(band: &Band, incident: Direction, side: Side, n: usize) -> Vec<f32> {
@@ -127,43 +136,6 @@ pub fn totals(band: &Band, side: Side, phi: f64, n: usize) -> Vec<f32> {
 fn middles(n: usize) -> impl Iterator<Item = f64> {
     let n = n.min(MOST_PIXELS);
     (0..n).map(move |k| (k as f64 + 0.5) / n as f64)
-}
-
-/// All values \[1/sr\] of a function: every incident square's exitant square, 4^`log2_res` pixels wide and high, finest 2^6. Rows from the top are
-/// from high to low coordinates, as Y is up. Cells of a rank-4 tree that are coarser than its leaves are means; of others the value at their middle.
-pub fn mosaic(function: &Scattering, log2_res: u32) -> Vec<f32> {
-    let log2_res = log2_res.min(MOST_LOG2_RES);
-    let n = 1usize << log2_res;
-    let mut pixels = vec![0.0; n * n * n * n];
-    // Of cell (i0, i1) for its exitant cells (o0, o1), o0 slowest, as grids count.
-    let mut paint = |i0: usize, i1: usize, exitant: &mut dyn Iterator<Item = f32>| {
-        for (k, value) in exitant.enumerate() {
-            let (column, row) = (i0 * n + k / n, i1 * n + k % n);
-            pixels[(n * n - 1 - row) * n * n + column] = value;
-        }
-    };
-    match function {
-        Scattering::Tree(tree) if tree.rank() == Rank::Four => {
-            let grid = tree.to_grid(log2_res);
-            for (k, exitant) in grid.chunks(n * n).enumerate() {
-                paint(k / n, k % n, &mut exitant.iter().copied());
-            }
-        }
-        _ => {
-            let middle = |k: usize| (k as f64 + 0.5) / n as f64;
-            let over =
-                |k: usize| Side::Front.direction_from_disk(disk_from_square([middle(k / n), middle(k % n)]));
-            let exitant: Vec<Direction> = (0..n * n).map(over).collect();
-            let mut found = vec![0.0; n * n];
-            for k in 0..n * n {
-                // An incident square is that of −incident.xy.
-                let [x, y, z] = over(k);
-                function.eval_many(&vec![[-x, -y, z]; n * n], &exitant, false, &mut found);
-                paint(k / n, k % n, &mut found.iter().map(|&value| value as f32));
-            }
-        }
-    }
-    pixels
 }
 
 /// A hemisphere's picture: the directions of those pixels whose centres are in the disk.
@@ -201,7 +173,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
-    use bsdftree::{Component, Part, Tree};
+    use bsdftree::{Component, Part, Rank, Tree};
 
     /// Mean over the pixels of a hemisphere times π: its share of light.
     fn share(hemisphere: &[f32]) -> f64 {
@@ -243,29 +215,6 @@ mod tests {
     }
 
     #[test]
-    fn a_mosaic_has_each_value_where_its_cells_are_and_looked_up_ones_agree() {
-        let looked_up = |log2_res: u32| {
-            let n = 1usize << log2_res;
-            let middle = |k: usize| (k as f64 + 0.5) / n as f64;
-            let mut pixels = vec![0.0; n.pow(4)];
-            for i in 0..n * n {
-                let [x, y] = disk_from_square([middle(i / n), middle(i % n)]);
-                for o in 0..n * n {
-                    let exitant =
-                        Side::Front.direction_from_disk(disk_from_square([middle(o / n), middle(o % n)]));
-                    let incident = Side::Front.direction_from_disk([-x, -y]);
-                    let (column, row) = ((i / n) * n + o / n, (i % n) * n + o % n);
-                    pixels[(n * n - 1 - row) * n * n + column] = tree().eval(incident, exitant) as f32;
-                }
-            }
-            pixels
-        };
-        for log2_res in [2, 3] {
-            assert_eq!(mosaic(&tree().into(), log2_res), looked_up(log2_res));
-        }
-    }
-
-    #[test]
     fn edges_are_where_cells_meet() {
         let marks = edges(&band(), direction_from_polar(0.7, 1.0), Side::Front, 64);
         // Between the second and third cell of four, at x = 0.
@@ -273,6 +222,18 @@ mod tests {
             assert_eq!(marks[row * 64 + 32], 1, "{row}");
         }
         assert!(marks.iter().filter(|&&mark| mark == 1).count() < 64 * 64 / 5);
+    }
+
+    #[test]
+    fn depths_are_those_of_cells() {
+        let (incident, n) = (direction_from_polar(0.7, 1.0), 16);
+        let picture = depths(&band(), incident, Side::Front, n);
+        assert!(picture.iter().all(|&depth| depth.is_nan() || depth == 2.0));
+        assert!(picture.contains(&2.0));
+        assert!(
+            depths(&band(), incident, Side::Back, n).iter().all(|depth| depth.is_nan()),
+            "nothing goes there"
+        );
     }
 
     #[test]
