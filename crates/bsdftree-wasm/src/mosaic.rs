@@ -5,7 +5,7 @@
 //!
 //! A place follows the direction in which light *heads*, of a tile the incident light, inside of it what leaves, so that light that is mirrored or goes straight on
 //! keeps its place. Trees of rank 4 and matrices: tiles lie as the Shirley–Chiu square, X to the right and Y up. Rank 3: one tile for each
-//! range of polar angles, from normal to grazing in reading order; the light heads to the right. [`bsdftree.plot.mosaic`] has the same tiles.
+//! range of polar angles, from normal to grazing in reading order; the light heads to the right. `bsdftree.plot.mosaic` in Python has the same tiles.
 //!
 //! Pixels of trees are means over their incident and exitant cell; only leaves that they meet are walked over. Pixels of matrices are what is at their middle.
 
