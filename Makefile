@@ -79,7 +79,7 @@ gallery: setup ## Draw the pictures of docs/gallery.md
 web-core: ## The core for browsers, web/src/core.wasm
 	web/core.sh
 
-web: web-core web/node_modules ## The viewer, in web/dist
+web: web-core web/node_modules ## The viewer, in web/dist and in the Python package
 	cd web && npm run --silent build
 
 web-test: web ## The viewer in a real browser; CHROMIUM names it, else /usr/bin/chromium
@@ -93,4 +93,4 @@ docs: ## API documentation of the crates, in target/doc
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
 clean: ## Remove what was built
-	rm -rf target $(VENV) demo web/dist web/node_modules web/src/core.wasm
+	rm -rf target $(VENV) demo python/bsdftree/_viewer/page web/dist web/node_modules web/src/core.wasm

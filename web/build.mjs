@@ -1,6 +1,7 @@
-// src → dist: three files and the core, for any folder of any static host. Types are checked before (`npm run build`).
+// src → dist: three files and the core, for any folder of any static host; a copy goes into the Python package. Types are checked before
+// (`npm run build`).
 
-import { rmSync } from "node:fs";
+import { cpSync, rmSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { build } from "esbuild";
 
@@ -19,3 +20,6 @@ await build({
   assetNames: "[name]-[hash]",
   logLevel: "info",
 });
+const inPackage = `${here}/../python/bsdftree/_viewer/page`;
+rmSync(inPackage, { recursive: true, force: true });
+cpSync(`${here}/dist`, inPackage, { recursive: true });

@@ -32,6 +32,7 @@ from bsdftree._queries import Sample
 from bsdftree._reduce import Loss, Reduction
 from bsdftree._report import BandReport, GenerationReport, Resumed
 from bsdftree._standard_errors import ErrorByFlux, errors_by_flux
+from bsdftree._viewer import Viewer, save_view, view
 
 __all__ = [
     "BandCheck",
@@ -67,6 +68,7 @@ __all__ = [
     "SwappedPairs",
     "Symmetry",
     "Tree",
+    "Viewer",
     "__version__",
     "device_families",
     "direction_from_polar",
@@ -82,6 +84,8 @@ __all__ = [
     "read_radiance_matrix",
     "save_energyplus",
     "save_lobes",
+    "save_view",
     "stack",
+    "view",
     "write_radiance_matrix",
 ]

@@ -1,15 +1,19 @@
-"""What a notebook shows of a BSDF: a table, with a small picture where there is matplotlib."""
+"""What a notebook shows of a BSDF: a table, with a small picture where there is matplotlib; and the viewer."""
 
 from __future__ import annotations
 
 import base64
 import io
 from html import escape
+from typing import TYPE_CHECKING
 
 from bsdftree._component import Matrix, Tree, wrapped
 from bsdftree._queries import Queries
 from bsdftree._sides import SIDES
 from bsdftree._totals import mean_total
+
+if TYPE_CHECKING:
+    from bsdftree._viewer import Viewer
 
 
 class Shown(Queries):
@@ -42,6 +46,12 @@ class Shown(Queries):
         if png is None:
             return table
         return f'{table}<img alt="BSDF [1/sr]" src="data:image/png;base64,{base64.b64encode(png).decode()}">'
+
+    def view(self, *, port: int = 0, browser: bool = True) -> Viewer:
+        """Look at it in the browser: :func:`bsdftree.view` of this one."""
+        from bsdftree._viewer import view
+
+        return view(self, port=port, browser=browser)  # type: ignore[arg-type]
 
     def _row(self, band: str, key: str) -> str:
         functions = self._core.components(band)[key]

@@ -2,6 +2,7 @@
 // crates/bsdftree-wasm; nothing is looked up here. Arrays are copies: the core's memory changes with the next call.
 
 import coreUrl from "./core.wasm";
+import { coreInside, unpacked } from "./inside";
 
 /** A unit vector away from the surface, the incident one too; +Z is the room. */
 export type Direction = readonly [number, number, number];
@@ -82,7 +83,7 @@ export class Opened {
 
   /** Opens the bytes of a file, XML or .bsdft. Damaged files are read as far as they can be; the summary's notes say what was done. */
   static async open(name: string, bytes: Uint8Array): Promise<Opened> {
-    compiled ??= WebAssembly.compileStreaming(fetch(new URL(coreUrl, import.meta.url)));
+    compiled ??= compile();
     const instance = await WebAssembly.instantiate(await compiled, {});
     const core = instance.exports as unknown as Exports;
     const place = core.bsdftree_reserve(bytes.length) >>> 0;
@@ -149,6 +150,12 @@ export class Opened {
   private pixels(length: number): Uint8Array {
     return new Uint8Array(this.core.memory.buffer, this.core.bsdftree_pixels() >>> 0, length).slice();
   }
+}
+
+async function compile(): Promise<WebAssembly.Module> {
+  const inside = coreInside();
+  if (inside) return WebAssembly.compile(await unpacked(inside));
+  return WebAssembly.compileStreaming(fetch(new URL(coreUrl, import.meta.url)));
 }
 
 function text(core: Exports, length: number): string {

@@ -10,18 +10,19 @@ export class Loader {
     private readonly message: HTMLElement,
   ) {}
 
-  /** Opens the bytes of a file; what is wrong with them is said in the message. `place` among the files that came with it: 0 is shown, 1 is compared with it, others are
+  /** Opens the bytes of a file; whether they are a BSDF, else what is wrong with them is said in the message. `place` among the files that came with it: 0 is shown, 1 is compared with it, others are
    * listed. */
-  async open(name: string, bytes: Uint8Array, place = 0): Promise<void> {
+  async open(name: string, bytes: Uint8Array, place = 0): Promise<boolean> {
     this.say(`reading ${name} …`);
     const begun = performance.now();
     try {
       this.add(await Opened.open(name, bytes), place);
     } catch (error) {
       this.complain(error instanceof Refused ? `${name}: ${error.message}` : `${name} cannot be read: ${String(error)}`);
-      return;
+      return false;
     }
     this.say(`${name}, read in ${Math.round(performance.now() - begun)} ms`);
+    return true;
   }
 
   say(text: string): void {
@@ -54,7 +55,8 @@ export class Loader {
 
   private async openAll(given: ArrayLike<File>): Promise<void> {
     for (const [place, file] of Array.from(given).entries()) {
-      await this.open(file.name, new Uint8Array(await file.arrayBuffer()), place);
+      // What is wrong with one stays on the screen.
+      if (!(await this.open(file.name, new Uint8Array(await file.arrayBuffer()), place))) return;
     }
   }
 

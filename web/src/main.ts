@@ -1,5 +1,6 @@
 // The page: views in the order of their tabs, one state for all of them.
 
+import { openWhatCameAlong } from "./arrive";
 import { Controls } from "./controls";
 import { found } from "./dom";
 import { Dome } from "./dome";
@@ -32,3 +33,4 @@ document.addEventListener("keydown", ({ key, target, ctrlKey, metaKey, altKey })
   if (key >= "1" && key <= "9") tabs.choose(Number(key) - 1);
 });
 loader.listen(found("file", HTMLInputElement));
+void openWhatCameAlong(loader);

@@ -20,6 +20,7 @@ from bsdftree.cli.package import package
 from bsdftree.cli.plot import plot
 from bsdftree.cli.reduce import reduce
 from bsdftree.cli.stack import stack
+from bsdftree.cli.view import view
 
 _CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
@@ -38,6 +39,7 @@ def main() -> None:
       bsdftree info blinds.xml                        what is in it
       bsdftree check blinds.xml                       does it obey physics
       bsdftree plot blinds.xml -o blinds.png          see it
+      bsdftree view blinds.xml                        look round in it, in the browser
       bsdftree convert blinds.xml blinds.bsdft        write it in another format
       bsdftree reduce blinds.xml -o small.xml         make it smaller, to an error that you choose
       bsdftree package blinds.xml -o objects          put it into a Radiance scene
@@ -54,6 +56,7 @@ for _verb in (
     check,
     eval_,
     plot,
+    view,
     lobes,
     from_function,
     measured,
