@@ -25,7 +25,7 @@ setup: $(VENV)/.installed ## Make .venv with bsdftree and everything that it and
 demo: setup ## Generate three devices, write XML and pictures to demo/, print a table
 	$(BIN)/python examples/demo.py demo
 
-test: lint test-rust test-python ## Set up everything and run all tests
+test: lint test-rust test-python web-test ## Set up everything and run all tests
 
 test-rust: ## Rust tests
 	cargo test --workspace --quiet
@@ -82,8 +82,8 @@ web-core: ## The core for browsers, web/src/core.wasm
 web: web-core web/node_modules ## The viewer, in web/dist and in the Python package
 	cd web && npm run --silent build
 
-web-test: web ## The viewer in a real browser; CHROMIUM names it, else /usr/bin/chromium
-	cd web && npm run --silent test
+web-test: setup ## The viewer in a real browser; CHROMIUM names it, else /usr/bin/chromium; says what is missing
+	web/test.sh
 
 web/node_modules: web/package-lock.json
 	cd web && npm ci --silent --no-fund --no-audit

@@ -223,7 +223,8 @@ def test_names_cannot_end_their_place_in_an_exported_page(white, tmp_path):
 
 def test_damaged_files_are_shown_as_they_are_and_told(run, white, tmp_path):
     source = tmp_path / "old.xml"
-    source.write_text(white.to_xml().replace("Reflection Back", "Reflection"))
+    sheet = bsdftree.Bsdf.from_trees({"transmission_back": white.components["reflection_back"]})
+    source.write_text(sheet.to_xml().replace("Transmission Back", "Transmission"))
     out = tmp_path / "out.html"
     result = run(source, "--export", out)
     assert result.exit_code == 0, result.output

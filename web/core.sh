@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds crates/bsdftree-wasm into web/src/core.wasm.
+# Builds crates/bsdftree-wasm into web/src/core.wasm; `core.sh --can` only tells whether it could.
 #
 # Where rustup has its target (`rustup target add wasm32-unknown-unknown`) by cargo alone. Else by Debian's compiler and the source of its
 # standard library (`apt-get install rustc-web rust-web-src`), with cargo and the linker of the toolchain that is there.
@@ -7,17 +7,23 @@ set -eu
 cd "$(dirname "$0")/.."
 target=wasm32-unknown-unknown
 sysroot=$(rustc --print sysroot)
+debian=${DEBIAN_RUSTC:-/usr/bin/rustc}
 export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS="-C target-feature=+simd128"
 
 if [ -d "$sysroot/lib/rustlib/$target" ]; then
+	by=rustup
+elif [ -x "$debian" ] && [ -d "$("$debian" --print sysroot)/lib/rustlib/src/rust/library" ]; then
+	by=debian
+else
+	echo "there is no standard library for $target: run 'rustup target add $target'," >&2
+	echo "or, where rustup cannot fetch it, 'apt-get install rustc-web rust-web-src'" >&2
+	exit 1
+fi
+[ "${1:-}" != --can ] || exit 0
+
+if [ $by = rustup ]; then
 	cargo build --quiet --locked --profile wasm --target "$target" -p bsdftree-wasm
 else
-	debian=${DEBIAN_RUSTC:-/usr/bin/rustc}
-	if ! [ -d "$("$debian" --print sysroot 2>/dev/null)/lib/rustlib/src/rust/library" ]; then
-		echo "there is no standard library for $target: run 'rustup target add $target'," >&2
-		echo "or, where rustup cannot fetch it, 'apt-get install rustc-web rust-web-src'" >&2
-		exit 1
-	fi
 	linker=$(ls "$sysroot"/lib/rustlib/*/bin/rust-lld | head -n 1)
 	RUSTC=$debian RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=$linker \
 		cargo build --quiet --locked -Zbuild-std=std,panic_abort --profile wasm --target "$target" -p bsdftree-wasm

@@ -5,7 +5,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, statSync } from "node:fs";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { basename, extname, join, normalize } from "node:path";
@@ -14,7 +14,7 @@ import { chromium } from "playwright-core";
 
 const web = fileURLToPath(new URL("..", import.meta.url));
 const dist = join(web, "dist");
-const python = process.env.PYTHON ?? join(web, "../.venv/bin/python");
+export const python = process.env.PYTHON ?? join(web, "../.venv/bin/python");
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
 
 /** Where the real files are; the program ends, and says so, where there are none. */
@@ -25,17 +25,17 @@ export function realFiles() {
   process.exit(0);
 }
 
-/** Hands a browser, where the viewer is, and a folder for files that are made, to a test, and clears up after it. */
+/** Hands a browser, where the viewer is, and a folder for files that are made, served at /made/, to a test, and clears up after it. */
 export async function withViewer(test) {
+  const folder = mkdtempSync(join(tmpdir(), "bsdftree-web-"));
   const server = createServer((request, response) => {
-    const path = normalize(new URL(request.url, "http://localhost").pathname);
-    const file = join(dist, path === "/" ? "index.html" : path);
-    if (!existsSync(file)) return response.writeHead(404).end();
+    const path = normalize(decodeURIComponent(new URL(request.url, "http://localhost").pathname));
+    const file = path.startsWith("/made/") ? join(folder, path.slice("/made/".length)) : join(dist, path === "/" ? "index.html" : path);
+    if (!existsSync(file) || !statSync(file).isFile()) return response.writeHead(404).end();
     response.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream" });
     response.end(readFileSync(file));
   });
   await new Promise((listening) => server.listen(0, "127.0.0.1", listening));
-  const folder = mkdtempSync(join(tmpdir(), "bsdftree-web-"));
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
     // Software GL, so that it works without a graphics card and in containers.
@@ -51,16 +51,17 @@ export async function withViewer(test) {
   }
 }
 
-/** A page of the viewer; what it complains of, or asks of others, is gathered in `problems`. */
-export async function newPage({ browser, origin }, options = {}) {
+/** A page of the viewer, or another `address`; what it complains of, or asks of others than `origin`, is gathered in `problems`. */
+export async function newPage({ browser, origin, address = origin }, options = {}) {
   const problems = [];
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, ...options });
   page.on("console", (line) => line.type() === "error" && problems.push(line.text()));
   page.on("pageerror", (error) => problems.push(String(error)));
   page.on("request", (request) => {
-    if (!request.url().startsWith(origin) && !request.url().startsWith("data:")) problems.push(`asked for ${request.url()}`);
+    // A blob is of the page itself.
+    if (![origin, "data:", "blob:"].some((own) => request.url().startsWith(own))) problems.push(`asked for ${request.url()}`);
   });
-  await page.goto(origin);
+  await page.goto(address);
   return { page, problems };
 }
 
@@ -95,7 +96,16 @@ export async function drop(page, ...files) {
 /** Drops files and waits until they are shown. */
 export async function show(page, ...paths) {
   await drop(page, ...paths.map((path) => ({ name: basename(path), bytes: readFileSync(path) })));
-  await page.waitForFunction((name) => document.getElementById("message").textContent.startsWith(`${name}, read in`), basename(paths.at(-1)));
+  await shown(page, basename(paths.at(-1)));
+}
+
+/** After a file is read and drawn; what the page complains of instead is thrown. */
+export async function shown(page, name) {
+  await page.waitForFunction((name) => {
+    const { className, textContent } = document.getElementById("message");
+    if (className === "problem") throw new Error(textContent);
+    return textContent.startsWith(`${name}, read in`);
+  }, name);
   await settled(page);
 }
 
