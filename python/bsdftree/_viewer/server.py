@@ -44,7 +44,8 @@ class Server:
     def __init__(self, page: Mapping[str, Path], files: Sequence[Exhibit], port: int = 0) -> None:
         self._served = _Served(page, files, port)
         self.url = f"http://{HOST}:{self._served.server_port}/"
-        self._thread = threading.Thread(target=self._served.serve_forever, args=(0.1,), name="bsdftree viewer", daemon=True)
+        # How long closing may take [s].
+        self._thread = threading.Thread(target=self._served.serve_forever, args=(0.1,), daemon=True)
         self._thread.start()
 
     def wait(self) -> None:
