@@ -24,6 +24,13 @@ export function fromDisk(x: number, y: number, front: boolean): Direction | null
   return [x, y, front ? Math.sqrt(rest) : -Math.sqrt(rest)];
 }
 
+/** The exitant direction at an angle from the normal in the plane of an incident one; positive towards where mirrored and straight light goes. At normal
+ * incidence the plane is that of X. */
+export function inPlane([x, y]: Direction, angleDeg: number, front: boolean): Direction {
+  const phiDeg = x === 0 && y === 0 ? 0 : Math.atan2(-y, -x) / RADIAN;
+  return fromPolar(angleDeg, phiDeg, front);
+}
+
 /** What one press of an arrow key moves an incident direction, in degrees. */
 const STEP_DEG = 1;
 /** Nothing comes in along the surface itself. */

@@ -100,6 +100,7 @@ export class Lobes implements View {
 
   private listen(): void {
     const { canvas, orbit } = this.space;
+    orbit.listenToKeyEvents(canvas);
     let dragging = false;
     // Before those of the orbit, which must not begin.
     canvas.addEventListener("pointerdown", (event) => {
@@ -121,7 +122,8 @@ export class Lobes implements View {
     canvas.addEventListener("pointercancel", release);
     canvas.addEventListener("pointerleave", () => this.set({ pointedAt: null }));
     canvas.addEventListener("keydown", (event) => {
-      const incident = this.state && stepped(this.state.incident, event.key);
+      // With Shift, the orbit has them.
+      const incident = this.state && !event.shiftKey && stepped(this.state.incident, event.key);
       if (!incident) return;
       event.preventDefault();
       this.set({ incident });

@@ -4,16 +4,19 @@ import { openWhatCameAlong } from "./arrive";
 import { Controls } from "./controls";
 import { found } from "./dom";
 import { Dome } from "./dome";
+import { listenToHelp } from "./help";
 import { Loader } from "./load";
 import { Lobes } from "./lobes";
 import { PolarMaps } from "./polar";
 import { read } from "./readout";
+import { Slice } from "./slice";
 import { type State, Store } from "./state";
 import { FileView } from "./summary";
+import { Totals } from "./totals";
 import { Tabs, type View } from "./view";
 
 const store = new Store(draw);
-const views: View[] = [new Lobes(store.set), new PolarMaps(store.set), new FileView()];
+const views: View[] = [new Lobes(store.set), new PolarMaps(store.set), new Slice(store.set), new Totals(store.set), new FileView()];
 const tabs = new Tabs(views, found("tabs", HTMLElement), found("stage", HTMLElement), () => draw(store.state));
 const controls = new Controls(store);
 const dome = new Dome(found("dome", HTMLCanvasElement), (incident, moving) => store.set({ incident, moving }));
@@ -33,4 +36,5 @@ document.addEventListener("keydown", ({ key, target, ctrlKey, metaKey, altKey })
   if (key >= "1" && key <= "9") tabs.choose(Number(key) - 1);
 });
 loader.listen(found("file", HTMLInputElement));
+listenToHelp();
 void openWhatCameAlong(loader);

@@ -1,0 +1,133 @@
+// Views beyond the maps in a real browser: what slices and totals tell is what the core has as Python has it; the page serves keys, touch, small screens. What it
+// needs: harness.mjs.
+
+import { join } from "node:path";
+
+import { ask, assert, choose, coloursOnScreen, expectedValues, keep, newPage, readAt, realFiles, settled, show, withViewer } from "./harness.mjs";
+
+const data = realFiles();
+const blinds = join(data, "pyradiance/blinds.xml");
+const t3 = join(data, "pyradiance/t3.xml");
+
+await withViewer(async (viewer) => {
+  const { page, problems } = await newPage(viewer);
+  for (const path of [blinds, t3]) await slicesAnswerAsTheCore(page, path);
+  await totalsAnswerAsTheCore(page);
+  await aHeldScaleStays(page);
+  await keysReachEverything(page);
+  for (const size of [{ width: 1280, height: 720 }, { width: 820, height: 1180 }]) await nothingScrolls(page, size);
+  await touchMovesTheLight(viewer, problems);
+  assert.deepEqual(problems, [], "no console errors, and nothing asked of others");
+});
+
+async function slicesAnswerAsTheCore(page, path) {
+  await show(page, path);
+  await choose(page, "Slice");
+  const pairs = [];
+  for (const x of [0.1, 0.3, 0.42, 0.5, 0.66, 0.9]) for (const y of [0.2, 0.8]) pairs.push(await readAt(page, "#slice svg", x, y));
+  const expected = expectedValues(path, await page.locator("#band").inputValue(), pairs);
+  assert.deepEqual(pairs.map(({ value }) => Number(value)), expected, path);
+  assert.ok(expected.some((value) => value > 0), "there is light in the slice");
+  // In the plane of incidence.
+  for (const { incident, exitant } of pairs) {
+    const [[ix, iy], [ox, oy]] = [incident, exitant].map((text) => text.split(" ").map(Number));
+    assert.ok(Math.abs(ix * oy - iy * ox) < 1e-9);
+  }
+  await keep(page, "slice");
+}
+
+async function totalsAnswerAsTheCore(page) {
+  await show(page, blinds);
+  await page.locator("#side").selectOption("front");
+  await choose(page, "Totals");
+  for (const [k, front] of [[0, true], [1, false]]) {
+    const told = await page.locator("#totals .told").nth(k).textContent();
+    const [, theta, reflected, transmitted] = told.match(/θ ([\d.]+)°: reflected ([\d.]+), transmitted ([\d.]+)/).map(Number);
+    const program = `
+import json, math, sys, bsdftree
+bsdf = bsdftree.load(sys.argv[1])
+# The middle of the plot's degree.
+theta, sign = math.radians(int(float(sys.argv[2])) + 0.5), float(sys.argv[3])
+incident = [0.0, math.sin(theta), sign * math.cos(theta)]
+print(json.dumps([float(bsdf.hemispherical(incident, lobes=lobes)) for lobes in ("R", "T")]))
+`;
+    const expected = JSON.parse(ask(program, blinds, String(theta), front ? "1" : "-1"));
+    assert.ok(Math.abs(reflected - expected[0]) < 1e-4 && Math.abs(transmitted - expected[1]) < 1e-4, `${told}, and Python has ${expected}`);
+    assert.ok(reflected > 0 && transmitted > 0);
+  }
+  // A click on a plot is another angle of incidence, from the side of that plot.
+  const plot = page.locator("#totals svg").nth(1);
+  const { width, height } = await plot.boundingBox();
+  await plot.click({ position: { x: width / 2, y: height / 2 } });
+  await settled(page);
+  assert.equal(await page.locator("#side").inputValue(), "back");
+  assert.ok(Math.abs(Number(await page.locator("#theta").inputValue()) - 45) < 6);
+  await keep(page, "totals");
+}
+
+async function aHeldScaleStays(page) {
+  await choose(page, "Polar maps");
+  const highest = () => page.locator(".view:not([hidden]) .legend .ticks span").last().textContent();
+  const turn = async (theta) => {
+    await page.locator("#theta").fill(String(theta));
+    await settled(page);
+  };
+  await turn(20);
+  const first = await highest();
+  await page.locator(".view:not([hidden])").getByLabel("hold scale").check();
+  await turn(80);
+  assert.equal(await highest(), first, "held");
+  await page.locator(".view:not([hidden])").getByLabel("hold scale").uncheck();
+  await settled(page);
+  assert.notEqual(await highest(), first, "let go");
+}
+
+async function keysReachEverything(page) {
+  await page.locator("#tabs [aria-selected=true]").focus();
+  await page.keyboard.press("3");
+  await settled(page);
+  assert.ok(await page.locator("#slice").isVisible(), "a digit is a view");
+  await page.locator("#slice .plot").focus();
+  await page.keyboard.press("ArrowRight");
+  await settled(page);
+  assert.match(await page.locator("#readout").textContent(), /sr⁻¹|nothing goes/, "arrow keys move the cursor of a plot");
+  await page.locator("#tabs [aria-selected=true]").focus();
+  await page.keyboard.press("ArrowLeft");
+  await settled(page);
+  assert.ok(await page.locator("#reflection").isVisible(), "arrow keys move along the tabs");
+  await page.keyboard.press("?");
+  assert.ok(await page.locator("#help").isVisible(), "? is help");
+  assert.match(await page.locator("#help").textContent(), /room.*away from the surface/s);
+  await keep(page, "help");
+  await page.keyboard.press("Escape");
+  assert.ok(!(await page.locator("#help").isVisible()), "Escape ends it");
+}
+
+async function nothingScrolls(page, size) {
+  await page.setViewportSize(size);
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme });
+    for (const tab of await page.getByRole("tab").allTextContents()) {
+      await choose(page, tab);
+      const over = await page.evaluate(() => {
+        const root = document.documentElement;
+        const view = document.querySelector(".view:not([hidden])");
+        return { page: root.scrollHeight > innerHeight || root.scrollWidth > innerWidth, view: view.id !== "summary" && view.scrollHeight > view.clientHeight + 1 };
+      });
+      assert.deepEqual(over, { page: false, view: false }, `${tab} at ${size.width} × ${size.height}`);
+      assert.ok((await coloursOnScreen(page, "#stage")) > 10, `${tab} is not blank`);
+      await keep(page, `${tab.toLowerCase().replaceAll(" ", "-")}-${colorScheme}-${size.width}`);
+    }
+  }
+}
+
+async function touchMovesTheLight(viewer, problems) {
+  const { page, problems: more } = await newPage(viewer, { viewport: { width: 820, height: 1180 }, hasTouch: true });
+  await show(page, blinds);
+  const before = await page.locator("#theta").inputValue();
+  const { x, y, width, height } = await page.locator("#dome").boundingBox();
+  await page.touchscreen.tap(x + 0.62 * width, y + 0.62 * height);
+  await settled(page);
+  assert.notEqual(await page.locator("#theta").inputValue(), before, "a finger on the dome moves the light");
+  problems.push(...more);
+}
