@@ -49,7 +49,7 @@ bsdf = bsdftree.load(sys.argv[1])
 # The middle of the plot's degree.
 theta, sign = math.radians(int(float(sys.argv[2])) + 0.5), float(sys.argv[3])
 incident = [0.0, math.sin(theta), sign * math.cos(theta)]
-print(json.dumps([float(bsdf.hemispherical(incident, lobes=lobes)) for lobes in ("R", "T")]))
+print(json.dumps([float(bsdf.hemispherical(incident, part)) for part in ("reflection", "transmission")]))
 `;
     const expected = JSON.parse(ask(program, blinds, String(theta), front ? "1" : "-1"));
     assert.ok(Math.abs(reflected - expected[0]) < 1e-4 && Math.abs(transmitted - expected[1]) < 1e-4, `${told}, and Python has ${expected}`);
