@@ -1,7 +1,8 @@
 """Draw the pictures of docs/gallery.md and write the page: ``python docs/gallery.py``.
 
 Enters nothing but seeds, leave docs/img/gallery-*.png, each under 150 KB, and the page with the
-commands that draw them. What the page prints is what is run here, in a temporary folder.
+commands that draw them. What the page prints is what is run here, in a temporary folder. Pillow
+packs the pictures, and is there with matplotlib, which needs it.
 """
 
 from __future__ import annotations

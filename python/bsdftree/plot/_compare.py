@@ -182,7 +182,7 @@ def _bar(
 
 def _write_table(picture: Picture, table: list[Difference], width: float, height: float) -> None:
     columns = (24, 330, 470, 600, 730, 960)
-    head = ("component", "relative L1", "diffuse A", "diffuse B", "B − A, diffuse", "largest B − A by direction")
+    head = ("component", "relative L1", "diffuse A", "diffuse B", "B − A, diffuse", "largest B − A, every 5° × 22.5°")
     lines = [head]
     for d in table:
         l1 = "–" if np.isnan(d.relative_l1) else f"{100 * d.relative_l1:.2f} %"
