@@ -23,6 +23,8 @@ export interface Component {
     n_exitant?: number;
   };
   n_values: number;
+  /** In memory. */
+  n_bytes: number;
   maximum: number;
   lambertian: number;
   is_coloured: boolean;
@@ -31,6 +33,8 @@ export interface Component {
 export interface Summary {
   name: string;
   manufacturer: string;
+  /** Whether the file says that its values are standard errors. */
+  has_errors: boolean;
   bands: { name: string; components: Component[] }[];
   notes: { repaired: boolean; what: string }[];
 }
@@ -42,7 +46,61 @@ export interface Cell {
   projected_solid_angle: number;
   key: string;
   reversed: boolean;
+  /** Where a file of standard errors is open beside. */
+  standard_error?: number;
 }
+
+/** How the mosaic of a component lies: tiles beside and above each other, and how fine tiles and their pixels can be. */
+export interface MosaicLayout {
+  columns: number;
+  rows: number;
+  finest_log2_tiles: number;
+  finest_log2_exitant: number;
+}
+
+/** A component of a band, its mosaic cut into 2^log2Tiles incident cells along each axis. */
+export interface MosaicOf {
+  band: number;
+  part: string;
+  log2Tiles: number;
+}
+
+/** A part of a mosaic whose tiles have 2^log2Exitant pixels along each axis [pixel], from its top left. */
+export interface MosaicWindow {
+  log2Exitant: number;
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+}
+
+/** How a component is divided: groups of cells, and a histogram of equal ratios between two powers of ten; shares of 1. */
+export interface Statistics {
+  kind: "depth" | "exitant ring";
+  groups: { label: string; n_cells: number; share: number; light: number }[];
+  histogram: { first_decade: number; last_decade: number; n_cells: number[]; light: number[]; black: number };
+}
+
+/** How far a component of another file is from this one's. Totals are fractions of light; `relative_l1` is null where either file has none. */
+export interface Difference {
+  part: string;
+  relative_l1: number | null;
+  totals: [number, number];
+  rms_total: number;
+  worst_total: number;
+  worst_theta_deg: number;
+  worst_phi_deg: number;
+}
+
+/** How well a component is known: mean relative standard error by light, and the share of light where it is over 25 %. */
+export interface ErrorByFlux {
+  part: string;
+  mean: number;
+  uncertain: number;
+}
+
+/** Components as the core counts them. */
+const PARTS = ["reflection_front", "reflection_back", "transmission_front", "transmission_back"];
 
 /** How bright a value is: full at `highest` [1/sr], black that many powers of ten below; 0 is brightness in proportion. */
 export interface Tone {
@@ -66,6 +124,17 @@ interface Exports {
   bsdftree_lobe_colours(band: number, ix: number, iy: number, iz: number, front: number, n: number, white: number, decades: number): number;
   bsdftree_slice(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
   bsdftree_totals(band: number, front: number, phi: number, n: number): number;
+  bsdftree_depths(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
+  bsdftree_mosaic(band: number, part: number, depth: number, log2Tiles: number, log2Exitant: number, x: number, y: number, width: number, height: number): number;
+  bsdftree_mosaic_layout(band: number, part: number, log2Tiles: number): number;
+  bsdftree_mosaic_at(band: number, part: number, log2Tiles: number, x: number, y: number): number;
+  bsdftree_mosaic_place(band: number, part: number, log2Tiles: number, ix: number, iy: number, iz: number, ox: number, oy: number, oz: number): number;
+  bsdftree_statistics(band: number, part: number): number;
+  bsdftree_image(): number;
+  bsdftree_forget(): void;
+  bsdftree_open_beside(n: number): number;
+  bsdftree_differences(band: number): number;
+  bsdftree_errors_by_flux(band: number): number;
 }
 
 /** A file that the core refused, with its own words. */
@@ -86,9 +155,7 @@ export class Opened {
     compiled ??= compile();
     const instance = await WebAssembly.instantiate(await compiled, {});
     const core = instance.exports as unknown as Exports;
-    const place = core.bsdftree_reserve(bytes.length) >>> 0;
-    new Uint8Array(core.memory.buffer, place, bytes.length).set(bytes);
-    const told = JSON.parse(text(core, core.bsdftree_open(bytes.length, 1))) as Summary | { error: string };
+    const told = JSON.parse(text(core, core.bsdftree_open(write(core, bytes), 1))) as Summary | { error: string };
     if ("error" in told) throw new Refused(told.error);
     return new Opened(core, name, told);
   }
@@ -143,6 +210,67 @@ export class Opened {
     return this.numbers(this.core.bsdftree_totals(band, Number(front), phi, n));
   }
 
+  /** How fine the cells of a hemisphere are, n × n: ½ log2 (π / projected solid angle), of leaves a whole number; NaN outside of the disk and where nothing goes. */
+  depths(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Float32Array {
+    return this.numbers(this.core.bsdftree_depths(band, ix, iy, iz, Number(front), n));
+  }
+
+  mosaicLayout({ band, part, log2Tiles }: MosaicOf): MosaicLayout {
+    return JSON.parse(text(this.core, this.core.bsdftree_mosaic_layout(band, PARTS.indexOf(part), log2Tiles))) as MosaicLayout;
+  }
+
+  /** Pixels of a part of a mosaic that lies inside of it, values or depths, row by row from the top. */
+  mosaic({ band, part, log2Tiles }: MosaicOf, depth: boolean, { log2Exitant, x, y, width, height }: MosaicWindow): Float32Array {
+    return this.numbers(this.core.bsdftree_mosaic(band, PARTS.indexOf(part), Number(depth), log2Tiles, log2Exitant, x, y, width, height));
+  }
+
+  /** The pair of directions at a place of a mosaic, counted in tiles from the top left, and its cell. */
+  mosaicAt({ band, part, log2Tiles }: MosaicOf, x: number, y: number): { incident: Direction; exitant: Direction; cell: Cell } {
+    return JSON.parse(text(this.core, this.core.bsdftree_mosaic_at(band, PARTS.indexOf(part), log2Tiles, x, y))) as ReturnType<Opened["mosaicAt"]>;
+  }
+
+  /** Where a pair of directions lies in a mosaic, counted in tiles from the top left. */
+  mosaicPlace({ band, part, log2Tiles }: MosaicOf, [ix, iy, iz]: Direction, [ox, oy, oz]: Direction): [number, number] {
+    const place = this.numbers(this.core.bsdftree_mosaic_place(band, PARTS.indexOf(part), log2Tiles, ix, iy, iz, ox, oy, oz));
+    return [place[0]!, place[1]!];
+  }
+
+  statistics(band: number, part: string): Statistics {
+    return JSON.parse(text(this.core, this.core.bsdftree_statistics(band, PARTS.indexOf(part)))) as Statistics;
+  }
+
+  /** How far the components of another file are from this one's; empty if it has no band of that name. In an instance of its own, that holds both while it counts. */
+  async differences(other: Opened, band: number): Promise<Difference[]> {
+    const both = await Opened.open(this.name, this.image());
+    both.openBeside(other);
+    return JSON.parse(text(both.core, both.core.bsdftree_differences(band)) || "[]") as Difference[];
+  }
+
+  /** Takes a file for the standard errors of this one, so that cells tell theirs; false if it has none, or those of other trees. */
+  takeErrors(errors: Opened): boolean {
+    const areErrors = errors.summary.has_errors && this.openBeside(errors);
+    if (!areErrors) this.core.bsdftree_open_beside(0);
+    return areErrors;
+  }
+
+  /** How well components are known; empty without standard errors. */
+  errorsByFlux(band: number): ErrorByFlux[] {
+    return JSON.parse(text(this.core, this.core.bsdftree_errors_by_flux(band)) || "[]") as ErrorByFlux[];
+  }
+
+  /** As a raw .bsdft. */
+  private image(): Uint8Array {
+    const bytes = this.pixels(this.core.bsdftree_image());
+    this.core.bsdftree_forget();
+    return bytes;
+  }
+
+  private openBeside(other: Opened): boolean {
+    const told = JSON.parse(text(this.core, this.core.bsdftree_open_beside(write(this.core, other.image())))) as { are_errors: boolean } | { error: string };
+    if ("error" in told) throw new Refused(told.error);
+    return told.are_errors;
+  }
+
   private numbers(length: number): Float32Array {
     return new Float32Array(this.core.memory.buffer, this.core.bsdftree_numbers() >>> 0, length).slice();
   }
@@ -156,6 +284,13 @@ async function compile(): Promise<WebAssembly.Module> {
   const inside = coreInside();
   if (inside) return WebAssembly.compile(await unpacked(inside));
   return WebAssembly.compileStreaming(fetch(new URL(coreUrl, import.meta.url)));
+}
+
+/** Hands bytes to the core; how many. */
+function write(core: Exports, bytes: Uint8Array): number {
+  const place = core.bsdftree_reserve(bytes.length) >>> 0;
+  new Uint8Array(core.memory.buffer, place, bytes.length).set(bytes);
+  return bytes.length;
 }
 
 function text(core: Exports, length: number): string {

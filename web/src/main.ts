@@ -7,6 +7,7 @@ import { Dome } from "./dome";
 import { listenToHelp } from "./help";
 import { Loader } from "./load";
 import { Lobes } from "./lobes";
+import { Mosaic } from "./mosaic";
 import { PolarMaps } from "./polar";
 import { read } from "./readout";
 import { Slice } from "./slice";
@@ -16,7 +17,7 @@ import { Totals } from "./totals";
 import { Tabs, type View } from "./view";
 
 const store = new Store(draw);
-const views: View[] = [new Lobes(store.set), new PolarMaps(store.set), new Slice(store.set), new Totals(store.set), new FileView()];
+const views: View[] = [new Lobes(store.set), new PolarMaps(store.set), new Slice(store.set), new Totals(store.set), new Mosaic(store.set), new FileView()];
 const tabs = new Tabs(views, found("tabs", HTMLElement), found("stage", HTMLElement), () => draw(store.state));
 const controls = new Controls(store);
 const dome = new Dome(found("dome", HTMLCanvasElement), (incident, moving) => store.set({ incident, moving }));

@@ -3,14 +3,17 @@
 import { toPolar } from "./directions";
 import type { State } from "./state";
 
-export function read(place: HTMLElement, { first, compared, band, incident, pointedAt }: State): void {
+export function read(place: HTMLElement, { first, compared, band, incident: shown, pointedAt, pointedFrom }: State): void {
   place.dataset["value"] = "";
   if (!first || !pointedAt) {
     place.textContent = "Point at a view to read values.";
     return;
   }
+  const incident = pointedFrom ?? shown;
+  const from = toPolar(incident);
   const { thetaDeg, phiDeg } = toPolar(pointedAt);
-  const where = `to θ ${thetaDeg.toFixed(2)}°, φ ${phiDeg.toFixed(2)}°, ${pointedAt[2] > 0 ? "room" : "outside"}`;
+  const coming = pointedFrom ? `from θ ${from.thetaDeg.toFixed(2)}°, φ ${from.phiDeg.toFixed(2)}° ` : "";
+  const where = `${coming}to θ ${thetaDeg.toFixed(2)}°, φ ${phiDeg.toFixed(2)}°, ${pointedAt[2] > 0 ? "room" : "outside"}`;
   const cell = first.cell(first.band(band), incident, pointedAt);
   place.dataset["incident"] = incident.join(" ");
   place.dataset["exitant"] = pointedAt.join(" ");

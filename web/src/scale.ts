@@ -51,9 +51,8 @@ export class Scale {
     return this.kind === "log" ? this.highest * 10 ** (DECADES * (place - 1)) : this.highest * place;
   }
 
-  /** Pixels of a square of values; NaN is transparent. */
-  paint(values: Float32Array): ImageData {
-    const size = Math.round(Math.sqrt(values.length));
+  /** Pixels of values, of a square of them by default; NaN is transparent. */
+  paint(values: Float32Array, width = Math.round(Math.sqrt(values.length))): ImageData {
     const pixels = new Uint32Array(values.length);
     const { lowest, highest } = this;
     const [log, steps] = this.kind === "log" ? [true, 255 / (DECADES * Math.LN10)] : [false, 255 / highest];
@@ -63,7 +62,7 @@ export class Scale {
       const step = value > lowest ? (log ? Math.log(value / lowest) : value) * steps : 0;
       pixels[k] = VIRIDIS_PIXELS[Math.min(255, Math.round(step))]!;
     }
-    return new ImageData(new Uint8ClampedArray(pixels.buffer), size);
+    return new ImageData(new Uint8ClampedArray(pixels.buffer), width);
   }
 
   /** Round values that are worth a label, from low to high. */

@@ -13,6 +13,8 @@ export interface State {
   readonly incident: Direction;
   /** The exitant direction under the pointer, in whatever view. */
   readonly pointedAt: Direction | null;
+  /** The incident direction of the pair under the pointer where that is not `incident`: in views of all of them. */
+  readonly pointedFrom: Direction | null;
   /** Name of a band of `first`; `file.band(name)` numbers it, −1 where a compared file has none of that name. */
   readonly band: string;
   /** The component of views that show one whole component, one of `first`'s in `band`: "reflection_back" … */
@@ -37,6 +39,7 @@ export class Store {
     compared: null,
     incident: fromPolar(30, 90, true),
     pointedAt: null,
+    pointedFrom: null,
     band: "",
     part: "",
     scale: "log",
@@ -55,7 +58,9 @@ export class Store {
 
   /** Changes the state and draws in the next frame. A function, to be handed to views. */
   readonly set = (change: Change): void => {
-    this.current = consistent({ ...this.current, ...change });
+    // Views of one incident direction say nothing of it.
+    const from = "pointedAt" in change ? { pointedFrom: null } : {};
+    this.current = consistent({ ...this.current, ...from, ...change });
     cancelAnimationFrame(this.pending);
     this.pending = requestAnimationFrame(() => this.draw(this.current));
   };
