@@ -16,6 +16,8 @@ import type { Set, View } from "./view";
 const LOG2_TILES = { tree: 6, matrix: 5 };
 /** The finest cell may be that large [CSS pixel]. */
 const LARGEST_CELL = 160;
+/** Borders of cells are drawn where the finest are that large [CSS pixel]. */
+const SMALLEST_CELL = 5;
 /** Pictures that take longer wait until a gesture ends [ms]. */
 const QUICK = 40;
 const PAUSE = 120;
@@ -187,6 +189,13 @@ export class Mosaic implements View {
     const [left, right] = [Math.max(0, Math.floor(frame.x - half.x)), Math.min(columns, Math.ceil(frame.x + half.x))];
     const [top, bottom] = [Math.max(0, Math.floor(frame.y - half.y)), Math.min(rows, Math.ceil(frame.y + half.y))];
     context.lineWidth = 1;
+    const pixel = s / 2 ** layout.finest_log2_exitant;
+    // Single cells, where they are large enough to be told apart; of a matrix they are no squares.
+    if (state.edges && pixel >= SMALLEST_CELL && component.form.rank !== undefined) {
+      const seen = inSight(frame, layout, this.canvas, window.devicePixelRatio);
+      context.strokeStyle = "rgba(255, 255, 255, 0.45)";
+      context.stroke(leafBorders(file.mosaic(of, true, seen), seen, pixel));
+    }
     if (s >= 14) {
       context.beginPath();
       for (let x = left; x <= right; x++) line(x, top, x, bottom);
@@ -206,13 +215,15 @@ export class Mosaic implements View {
         label(context, `θ ${thetaDeg}°`, (columns / 2 - reach) * s + 4, (rows / 2 - reach) * s + 4);
       }
     }
-    if (s >= (isIsotropic ? 56 : 110)) {
+    const room = isIsotropic ? 56 : 150;
+    if (s >= room) {
       for (let y = top; y < bottom; y++) {
         for (let x = left; x < right; x++) {
-          const { thetaDeg, phiDeg } = toPolar(file.mosaicAt(of, x + 0.5, y + 0.5).incident);
           // In sight even where the tile is larger than the canvas.
-          const [inX, inY] = [Math.max(x, frame.x - half.x) * s + 4, Math.max(y, frame.y - half.y) * s + 4];
-          label(context, isIsotropic ? `θ ${thetaDeg.toFixed(1)}°` : `from θ ${thetaDeg.toFixed(1)}°, φ ${phiDeg.toFixed(1)}°`, inX, inY);
+          const [inX, inY] = [Math.max(x, frame.x - half.x), Math.max(y, frame.y - half.y)];
+          if ((Math.min(x + 1, frame.x + half.x) - inX) * s < room) continue;
+          const { thetaDeg, phiDeg } = toPolar(file.mosaicAt(of, x + 0.5, y + 0.5).incident);
+          label(context, isIsotropic ? `θ ${thetaDeg.toFixed(1)}°` : `from θ ${thetaDeg.toFixed(1)}°, φ ${phiDeg.toFixed(1)}°`, inX * s + 4, inY * s + 4);
         }
       }
     }
@@ -258,10 +269,30 @@ function place(context: CanvasRenderingContext2D, { canvas, window: { log2Exitan
   context.drawImage(canvas, x * pixel, y * pixel, width * pixel, height * pixel);
 }
 
+/** Borders of the leaves in a part of the mosaic that has pixels of the finest: leaves of a size lie at multiples of it. */
+function leafBorders(depths: Float32Array, { log2Exitant, x, y, width }: MosaicWindow, pixel: number): Path2D {
+  const path = new Path2D();
+  depths.forEach((depth, k) => {
+    const edge = 2 ** (log2Exitant - depth);
+    const [column, row] = [x + (k % width), y + Math.floor(k / width)];
+    if (column % edge === 0) {
+      path.moveTo(column * pixel, row * pixel);
+      path.lineTo(column * pixel, (row + 1) * pixel);
+    }
+    if (row % edge === 0) {
+      path.moveTo(column * pixel, row * pixel);
+      path.lineTo((column + 1) * pixel, row * pixel);
+    }
+  });
+  return path;
+}
+
 function label(context: CanvasRenderingContext2D, text: string, x: number, y: number): void {
+  context.save();
   context.lineWidth = 3;
   context.strokeStyle = "rgba(0, 0, 0, 0.75)";
   context.strokeText(text, x, y);
   context.fillStyle = "white";
   context.fillText(text, x, y);
+  context.restore();
 }

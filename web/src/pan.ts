@@ -26,7 +26,7 @@ const STILL = 4;
 /** What one press of a key or a button, and one pixel of a wheel, zooms. */
 const STEP = Math.SQRT2;
 const WHEEL = 0.0018;
-/** Of the plane, what is at least kept in sight. */
+/** Around the plane when all of it is in sight. */
 const MARGIN = 12;
 
 export class Pan {
@@ -86,10 +86,10 @@ export class Pan {
   bound(): void {
     const { frame, size } = this;
     frame.scale = Math.min(Math.max(frame.scale, this.smallest), this.largest);
-    const inside = (c: number, n: number, seen: number): number =>
-      n * frame.scale <= seen ? n / 2 : Math.min(Math.max(c, (seen / 2 - MARGIN) / frame.scale), n - (seen / 2 - MARGIN) / frame.scale);
-    frame.x = inside(frame.x, size.x, this.canvas.clientWidth);
-    frame.y = inside(frame.y, size.y, this.canvas.clientHeight);
+    // In the middle when all is in sight; else the middle of the canvas stays over the plane.
+    const inside = (c: number, n: number): number => (this.isWhole ? n / 2 : Math.min(Math.max(c, 0), n));
+    frame.x = inside(frame.x, size.x);
+    frame.y = inside(frame.y, size.y);
   }
 
   private get smallest(): number {

@@ -7,14 +7,15 @@
 //! keeps its place. Trees of rank 4 and matrices: tiles lie as the Shirley–Chiu square, X to the right and Y up. Rank 3: one tile for each
 //! range of polar angles, from normal to grazing in reading order; the light heads to the right. `bsdftree.plot.mosaic` in Python has the same tiles.
 //!
-//! Pixels of trees are means over their incident and exitant cell; only leaves that they meet are walked over. Pixels of matrices are what is at their middle.
+//! Pixels of trees are means over their incident and exitant cell; only leaves that they meet are walked over. Pixels of matrices are means over their exitant cell,
+//! by 128 × 128 samples of a tile, for the incident direction in the middle of the tile.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use bsdftree::square::disk_from_square;
 use bsdftree::tree::{Arena, Content, Position, Slot};
-use bsdftree::{Direction, Matrix, Part, Rank, Scattering, Side, Tree};
+use bsdftree::{Basis, Direction, Matrix, Part, Rank, Scattering, Side, Tree};
 
 /// The widest and highest part of a picture \[pixel\].
 const MOST_PIXELS: u32 = 4096;
@@ -28,6 +29,9 @@ const MATRIX_LOG2_EXITANT: u32 = 10;
 
 /// Tiles of a matrix that are worth looking at: fine beside Klems's patches.
 const MATRIX_LOG2_TILES: u32 = 7;
+
+/// Samples of a matrix along each axis of a tile, where pixels are coarser: so fine that no patch is missed.
+const LOG2_SAMPLES: u32 = 7;
 
 /// Bits of a coordinate of [`Position::corner`] at its finest.
 const CORNER_BITS: u32 = 15;
@@ -316,31 +320,67 @@ fn paint_matrix(
     window: Window,
     pixels: &mut [f32],
 ) {
-    let n = 1u32 << log2_exitant;
-    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(n);
-    let patch = |x: u32, y: u32| {
-        let disk = disk_from_square([middle(x), 1.0 - middle(y)]);
-        matrix.exitant().patch(Side::Front.direction_from_disk(disk))
-    };
-    // Where whole tiles are met, all of them have the same patches.
-    let is_whole = window.width >= n && window.height >= n;
-    let patches: Vec<usize> =
-        if is_whole { (0..n * n).map(|k| patch(k % n, k / n)).collect() } else { Vec::new() };
-    let values = matrix.values();
+    let basis = matrix.exitant();
+    let depths: Vec<f32> = (0..basis.n_patches()).map(|k| depth(basis.projected_solid_angle(k))).collect();
+    let shares = (log2_exitant < LOG2_SAMPLES).then(|| Shares::new(basis, log2_exitant));
     for ([column, row], [across, down]) in window.tiles(log2_exitant) {
         let [x, y, z] = layout.incident(column, row);
         let incident = matrix.incident().patch([-x, -y, z]);
-        let values = &values[incident * matrix.exitant().n_patches()..][..matrix.exitant().n_patches()];
+        let of_patch = match quantity {
+            Quantity::Value => &matrix.values()[incident * basis.n_patches()..][..basis.n_patches()],
+            Quantity::Depth => &depths,
+        };
         for y in down {
             let line = ((row << log2_exitant) + y - window.y) as usize * window.width as usize;
             for x in across.clone() {
-                let patch = if is_whole { patches[(y * n + x) as usize] } else { patch(x, y) };
-                pixels[line + ((column << log2_exitant) + x - window.x) as usize] = match quantity {
-                    Quantity::Value => values[patch],
-                    Quantity::Depth => depth(matrix.exitant().projected_solid_angle(patch)),
+                pixels[line + ((column << log2_exitant) + x - window.x) as usize] = match &shares {
+                    Some(shares) => shares.mean(of_patch, x, y),
+                    None => of_patch[patch_at(basis, log2_exitant, x, y)],
                 };
             }
         }
+    }
+}
+
+/// The patch at the middle of a pixel of a tile, whose rows count downwards.
+fn patch_at(basis: &Basis, log2_exitant: u32, x: u32, y: u32) -> usize {
+    let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(1u32 << log2_exitant);
+    basis.patch(Side::Front.direction_from_disk(disk_from_square([middle(x), 1.0 - middle(y)])))
+}
+
+/// Which patches lie in each pixel of a tile, and with what share of it: of all samples, of which pixels have equally many.
+struct Shares {
+    log2_exitant: u32,
+    /// Where the patches of each pixel begin, and end.
+    ends: Vec<u32>,
+    of_pixels: Vec<(u32, f32)>,
+}
+
+impl Shares {
+    fn new(basis: &Basis, log2_exitant: u32) -> Shares {
+        let (n, n_samples) = (1u32 << log2_exitant, 1u32 << (LOG2_SAMPLES - log2_exitant));
+        let share = 1.0 / (n_samples * n_samples) as f32;
+        let (mut ends, mut of_pixels) = (vec![0], Vec::new());
+        for pixel in 0..n * n {
+            let corner = [pixel % n * n_samples, pixel / n * n_samples];
+            let first = of_pixels.len();
+            for k in 0..n_samples * n_samples {
+                let (x, y) = (corner[0] + k % n_samples, corner[1] + k / n_samples);
+                let patch = patch_at(basis, LOG2_SAMPLES, x, y) as u32;
+                match of_pixels[first..].iter_mut().find(|(known, _)| *known == patch) {
+                    Some((_, sum)) => *sum += share,
+                    None => of_pixels.push((patch, share)),
+                }
+            }
+            ends.push(of_pixels.len() as u32);
+        }
+        Shares { log2_exitant, ends, of_pixels }
+    }
+
+    fn mean(&self, of_patch: &[f32], x: u32, y: u32) -> f32 {
+        let pixel = ((y << self.log2_exitant) + x) as usize;
+        let patches = &self.of_pixels[self.ends[pixel] as usize..self.ends[pixel + 1] as usize];
+        patches.iter().map(|&(patch, share)| share * of_patch[patch as usize]).sum()
     }
 }
 
@@ -354,7 +394,6 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use bsdftree::Basis;
     use bsdftree::tree::TreeBuilder;
 
     /// Fine where the first and third coordinates are low, coarse elsewhere; all values differ.
@@ -391,13 +430,14 @@ mod tests {
     fn a_fine_pixel_is_the_cell_of_its_directions() {
         let part = Part::TransmissionBack;
         for function in functions() {
-            let (layout, log2_exitant) = (Layout::new(&function, 3), 3);
+            let layout = Layout::new(&function, 3);
+            let log2_exitant = if matches!(function, Scattering::Matrix(_)) { LOG2_SAMPLES } else { 3 };
             let window = whole(layout, log2_exitant);
             let [values, depths] = [Quantity::Value, Quantity::Depth]
                 .map(|quantity| mosaic(&function, quantity, layout, log2_exitant, window));
             for k in 0..values.len() {
                 let (x, y) = (k as u32 % window.width, k as u32 / window.width);
-                let place = [x, y].map(|c| (f64::from(c) + 0.5) / 8.0);
+                let place = [x, y].map(|c| (f64::from(c) + 0.5) / f64::from(1u32 << log2_exitant));
                 let [incident, exitant] = layout.directions_at(part, place);
                 assert!(incident[2] > 0.0 && exitant[2] < 0.0);
                 let cell = function.cell(incident, exitant, false);
@@ -428,19 +468,24 @@ mod tests {
     }
 
     #[test]
-    fn coarse_pixels_of_trees_are_means_of_fine_ones() {
-        for function in [uneven(Rank::Four), uneven(Rank::Three)] {
+    fn coarse_pixels_are_means_of_fine_ones() {
+        for function in functions() {
             let picture =
                 |layout, log2| mosaic(&function, Quantity::Value, layout, log2, whole(layout, log2));
             let layout = Layout::new(&function, 3);
-            let (fine, coarse) = (picture(layout, 3), picture(layout, 1));
-            let [wide, narrow] = [3, 1].map(|log2| (layout.columns << log2) as usize);
+            let finest = if matches!(function, Scattering::Matrix(_)) { LOG2_SAMPLES } else { 3 };
+            let (fine, coarse) = (picture(layout, finest), picture(layout, finest - 2));
+            let [wide, narrow] = [finest, finest - 2].map(|log2| (layout.columns << log2) as usize);
             for (k, &value) in coarse.iter().enumerate() {
                 let (x, y) = (4 * (k % narrow), 4 * (k / narrow));
                 let mean = (0..16).map(|j| fine[(y + j / 4) * wide + x + j % 4]).sum::<f32>() / 16.0;
                 assert!((value / mean - 1.0).abs() < 1e-5, "{k}: {value} {mean}");
             }
-            // And of incident cells.
+        }
+        // And of incident cells.
+        for function in [uneven(Rank::Four), uneven(Rank::Three)] {
+            let picture =
+                |layout, log2| mosaic(&function, Quantity::Value, layout, log2, whole(layout, log2));
             let mean = |picture: Vec<f32>| picture.iter().sum::<f32>() / picture.len() as f32;
             let [fine, coarse] =
                 [3, 1].map(|log2_tiles| mean(picture(Layout::new(&function, log2_tiles), 3)));
