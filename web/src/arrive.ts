@@ -21,7 +21,16 @@ export async function openWhatCameAlong(loader: Loader): Promise<void> {
 /** The last part of an address, or all of it where another one ends alike. */
 function distinct(address: string, all: readonly string[]): string {
   const last = (text: string): string => text.slice(text.lastIndexOf("/") + 1);
-  return all.filter((other) => last(other) === last(address)).length > 1 ? address : last(address);
+  return decoded(all.filter((other) => last(other) === last(address)).length > 1 ? address : last(address));
+}
+
+/** As people write it; as it is if a % in it means nothing. */
+function decoded(text: string): string {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
 }
 
 async function fetched(address: string): Promise<Uint8Array> {

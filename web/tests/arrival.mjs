@@ -8,6 +8,8 @@ import { pathToFileURL } from "node:url";
 import { ask, assert, choose, expectedValues, newPage, python, readAt, realFiles, shown, withViewer } from "./harness.mjs";
 
 const SOURCES = ["radiance/sawtooth.xml", "pyradiance/t3.xml", "frads/ec60.xml"];
+/** All that means something in addresses or in markup. */
+const ODD = "a%20b & <c>#1?=ü 100%.xml";
 
 await withViewer(async ({ browser, folder, origin }) => {
   const paths = SOURCES.map((source) => {
@@ -20,6 +22,9 @@ await withViewer(async ({ browser, folder, origin }) => {
   for (const path of paths) {
     await holds(browser, `${origin}/?file=made/${basename(path)}`, origin, [path]);
   }
+  paths.push(join(folder, ODD));
+  copyFileSync(paths[0], paths.at(-1));
+  await holds(browser, `${origin}/?file=${encodeURIComponent(`made/${encodeURIComponent(ODD)}`)}`, origin, paths.slice(-1));
   await holds(browser, `${origin}/index.html?file=made/sawtooth.xml&file=made/ec60.xml`, origin, [paths[0], paths[2]]);
   await tellsWhatDoesNotArrive(browser, folder, origin);
   await policyHolds(browser, `${origin}/?file=made/sawtooth.xml`, "sawtooth.xml");
@@ -84,14 +89,14 @@ async function policyHolds(browser, address, name) {
 }
 
 async function isServed(browser, paths) {
-  const served = spawn(python, ["-m", "bsdftree", "view", "--no-browser", paths[0], paths[2]], { stdio: ["ignore", "pipe", "ignore"] });
+  const served = spawn(python, ["-m", "bsdftree", "view", "--no-browser", paths[0], paths.at(-1)], { stdio: ["ignore", "pipe", "ignore"] });
   try {
     const url = await new Promise((told, failed) => {
       served.stdout.once("data", (line) => told(String(line).trim()));
       served.once("exit", () => failed(new Error("bsdftree view ended")));
     });
-    await holds(browser, url, url, [paths[0], paths[2]]);
-    await policyHolds(browser, url, basename(paths[2]));
+    await holds(browser, url, url, [paths[0], paths.at(-1)]);
+    await policyHolds(browser, url, ODD);
   } finally {
     const ended = new Promise((told) => served.once("exit", (code) => told(code)));
     served.kill("SIGINT");
@@ -101,8 +106,8 @@ async function isServed(browser, paths) {
 
 async function isExported(browser, folder, paths) {
   const out = join(folder, "exported.html");
-  execFileSync(python, ["-m", "bsdftree", "view", paths[0], paths[2], "--export", out], { stdio: ["ignore", "ignore", "ignore"] });
+  execFileSync(python, ["-m", "bsdftree", "view", paths[0], paths.at(-1), "--export", out], { stdio: ["ignore", "ignore", "ignore"] });
   const address = pathToFileURL(out).href;
-  await holds(browser, address, address, [paths[0], paths[2]]);
-  await policyHolds(browser, address, basename(paths[2]));
+  await holds(browser, address, address, [paths[0], paths.at(-1)]);
+  await policyHolds(browser, address, ODD);
 }

@@ -84,7 +84,9 @@ class _Served(ThreadingHTTPServer):
         # Never as XML, of which browsers make pages.
         self.places |= {f"/files/{f.name}": ("application/octet-stream", f.path or f.content) for f in files}
         self.start = "/index.html" + "".join(
-            f"{'&' if k else '?'}file={quote(f'files/{file.name}', safe='/')}" for k, file in enumerate(files)
+            # An address in an address: quoted for either.
+            f"{'&' if k else '?'}file={quote(quote(f'files/{file.name}'))}"
+            for k, file in enumerate(files)
         )
 
     def handle_error(self, request: object, client_address: object) -> None:
