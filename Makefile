@@ -7,7 +7,7 @@ VERSION = $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 # Everything that makes the extension module out of date.
 SOURCES = pyproject.toml Cargo.toml Cargo.lock $(shell find crates -name '*.rs' -o -name Cargo.toml)
 
-.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate bench-fit devices-report stack-report install-c gallery web web-core web-test docs clean
+.PHONY: help setup demo test test-rust test-python lint format bench bench-library bench-generate bench-fit devices-report stack-report install-c gallery web web-core web-test web-bench docs clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 16
@@ -81,6 +81,9 @@ web-core: ## The core for browsers, web/src/core.wasm
 
 web: web-core web/node_modules ## The viewer, in web/dist and in the Python package
 	cd web && npm run --silent build
+
+web-bench: web ## How fast the viewer opens a large file and follows a drag, on this machine
+	cd web && node tests/speed.mjs
 
 web-test: setup ## The viewer in a real browser; CHROMIUM names it, else /usr/bin/chromium; says what is missing
 	web/test.sh

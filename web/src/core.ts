@@ -120,7 +120,7 @@ interface Exports {
   bsdftree_edges(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
   bsdftree_colours(band: number, ix: number, iy: number, iz: number, front: number, n: number, white: number, decades: number): number;
   bsdftree_knots(front: number, n: number): number;
-  bsdftree_lobe(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
+  bsdftree_lobe(band: number, ix: number, iy: number, iz: number, front: number, n: number, perKnot: number): number;
   bsdftree_lobe_colours(band: number, ix: number, iy: number, iz: number, front: number, n: number, white: number, decades: number): number;
   bsdftree_slice(band: number, ix: number, iy: number, iz: number, front: number, n: number): number;
   bsdftree_totals(band: number, front: number, phi: number, n: number): number;
@@ -185,9 +185,9 @@ export class Opened {
     return this.numbers(this.core.bsdftree_knots(Number(front), n));
   }
 
-  /** Values at the knots. */
-  lobe(band: number, [ix, iy, iz]: Direction, front: boolean, n: number): Float32Array {
-    return this.numbers(this.core.bsdftree_lobe(band, ix, iy, iz, Number(front), n));
+  /** Values at the knots: the largest of so many × so many places of each knot's cell. */
+  lobe(band: number, [ix, iy, iz]: Direction, front: boolean, n: number, perKnot: number): Float32Array {
+    return this.numbers(this.core.bsdftree_lobe(band, ix, iy, iz, Number(front), n, perKnot));
   }
 
   /** The same as sRGB with alpha, 4 bytes for each knot. */

@@ -1,92 +1,138 @@
-// The dome of incident directions over the device plane. In: a direction. Out: another, when it is dragged or moved by arrow keys.
-
-import {
-  AmbientLight, ArrowHelper, CircleGeometry, Color, DoubleSide, EdgesGeometry, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
-  PerspectiveCamera, Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
-} from "three";
+// The dome of incident directions over the device plane, drawn in parallel projection. In: a direction. Out: another, when it is dragged or moved by arrow keys. The
+// ball on the dome is where light comes from, and the arrow which way it goes.
 
 import type { Direction } from "./core";
 import { fromPolar, MOST_THETA_DEG, stepped, toPolar } from "./directions";
+import { svg } from "./dom";
+
+/** To where the eye is, over the horizon; under it for the other side. */
+const EYE: Direction = [0.22, -0.72, 0.66];
+
+type Point = readonly [number, number];
 
 export class Dome {
-  private readonly renderer: WebGLRenderer;
-  private readonly scene = new Scene();
-  private readonly camera = new PerspectiveCamera(32, 1, 0.1, 20);
-  private readonly half: LineSegments;
-  private readonly arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1, 0xe69f00, 0.12, 0.07);
+  private readonly picture = svg("svg", { "aria-hidden": "true" });
+  private readonly ground = svg("g", { class: "ground" });
+  private readonly ray = svg("g", { class: "incident" });
   private direction: Direction = [0, 0, 1];
+  /** Of what the ground was drawn for. */
+  private front: boolean | null = null;
 
   constructor(
-    private readonly canvas: HTMLCanvasElement,
+    private readonly element: HTMLElement,
     private readonly moved: (incident: Direction, moving: boolean) => void,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.camera.up.set(0, 0, 1);
-    const line = new LineBasicMaterial({ color: new Color(0x8a9099), transparent: true, opacity: 0.6 });
-    const sphere = new SphereGeometry(1, 24, 9, 0, 2 * Math.PI, 0, Math.PI / 2).rotateX(Math.PI / 2);
-    this.half = new LineSegments(new EdgesGeometry(sphere, 1), line);
-    const plane = new MeshBasicMaterial({ color: 0x8a9099, transparent: true, opacity: 0.3, side: DoubleSide });
-    const axes = [new Vector3(1, 0, 0), new Vector3(0, 1, 0)].map(
-      (axis, k) => new ArrowHelper(axis, new Vector3(), 1.15, k === 0 ? 0xd55e00 : 0x009e73, 0.08, 0.05),
-    );
-    this.scene.add(this.half, new Mesh(new CircleGeometry(1, 64), plane), this.arrow, new AmbientLight(), ...axes);
+    this.picture.append(this.ground, this.ray);
+    element.append(this.picture);
     this.listen();
-    new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
   show(direction: Direction): void {
     this.direction = direction;
-    const side = direction[2] > 0 ? 1 : -1;
-    this.half.scale.z = side;
-    this.camera.position.set(0.9, -2.9, 2.6 * side);
-    this.camera.lookAt(0, 0, 0.3 * side);
-    this.arrow.setDirection(new Vector3(...direction));
-    this.draw();
-  }
-
-  /** New buffers, which cost more than a frame. */
-  private resize(): void {
-    const edge = this.canvas.clientWidth;
-    if (edge === 0) return;
-    this.renderer.setPixelRatio(window.devicePixelRatio);
-    this.renderer.setSize(edge, edge, false);
-    this.draw();
-  }
-
-  private draw(): void {
-    this.renderer.render(this.scene, this.camera);
+    const front = direction[2] > 0;
+    const eye = new Eye(front);
+    if (front !== this.front) {
+      this.ground.replaceChildren(...ground(eye, front));
+      // What is far from the horizon is seen to its side only.
+      this.picture.setAttribute("viewBox", `-1.25 ${front ? -1.08 : -0.8} 2.5 1.88`);
+    }
+    this.front = front;
+    const [x, y] = eye.project(direction);
+    const length = Math.hypot(x, y) || 1;
+    const [ex, ey] = [x / length, y / length];
+    // The tip is half-way in.
+    const [tx, ty] = [0.42 * x, 0.42 * y];
+    const wing = (side: number): string => `${tx + 0.12 * ex - side * 0.05 * ey} ${ty + 0.12 * ey + side * 0.05 * ex}`;
+    this.ray.replaceChildren(
+      path(`M0 0L${x} ${y}`, "ray"),
+      path(`M${tx} ${ty}L${wing(1)}L${wing(-1)}Z`, "head"),
+      svg("circle", { cx: x, cy: y, r: 0.065 }),
+    );
   }
 
   private listen(): void {
-    this.canvas.addEventListener("pointerdown", (event) => {
-      this.canvas.setPointerCapture(event.pointerId);
+    const { element } = this;
+    element.addEventListener("pointerdown", (event) => {
+      element.setPointerCapture(event.pointerId);
       this.drag(event, true);
     });
-    this.canvas.addEventListener("pointermove", (event) => {
+    element.addEventListener("pointermove", (event) => {
       if (event.buttons & 1) this.drag(event, true);
     });
-    this.canvas.addEventListener("pointerup", () => this.moved(this.direction, false));
-    this.canvas.addEventListener("keydown", (event) => {
-      const stepTo = stepped(this.direction, event.key);
-      if (!stepTo) return;
+    element.addEventListener("pointerup", () => this.moved(this.direction, false));
+    element.addEventListener("pointercancel", () => this.moved(this.direction, false));
+    element.addEventListener("keydown", (event) => {
+      const incident = stepped(this.direction, event.key);
+      if (!incident) return;
       event.preventDefault();
-      this.moved(stepTo, false);
+      this.moved(incident, false);
     });
   }
 
-  /** Where the pointer's ray first meets the dome; beside it, nothing. */
+  /** To the point of the dome under the pointer; beside it, to its border. */
   private drag(event: PointerEvent, moving: boolean): void {
-    const box = this.canvas.getBoundingClientRect();
-    const place = new Vector2((2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height);
-    const caster = new Raycaster();
-    caster.setFromCamera(place, this.camera);
-    const { origin, direction: ray } = caster.ray;
-    const b = origin.dot(ray);
-    const rest = b * b - origin.lengthSq() + 1;
-    if (rest < 0) return;
-    const hit = origin.clone().addScaledVector(ray, -b - Math.sqrt(rest)).normalize();
+    const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.picture.getScreenCTM()!.inverse());
     const front = this.direction[2] > 0;
-    const { thetaDeg, phiDeg } = toPolar([hit.x, hit.y, front === hit.z > 0 ? hit.z : 0]);
-    this.moved(fromPolar(Math.min(thetaDeg, MOST_THETA_DEG), phiDeg, front), moving);
+    const { thetaDeg, phiDeg } = toPolar(new Eye(front).onDome([x, y], front));
+    this.direction = fromPolar(Math.min(thetaDeg, MOST_THETA_DEG), phiDeg, front);
+    this.moved(this.direction, moving);
   }
+}
+
+/** Parallel projection to a picture with y downwards. */
+class Eye {
+  private readonly near: Direction;
+  private readonly right: Direction;
+  private readonly up: Direction;
+
+  constructor(front: boolean) {
+    const [x, y, z] = EYE;
+    const length = Math.hypot(x, y, z);
+    this.near = [x / length, y / length, (front ? z : -z) / length];
+    const [nx, ny, nz] = this.near;
+    const flat = Math.hypot(nx, ny);
+    this.right = [-ny / flat, nx / flat, 0];
+    const [rx, ry] = this.right;
+    this.up = [-nz * ry, nz * rx, flat];
+  }
+
+  project(direction: Direction): Point {
+    return [dot(direction, this.right), -dot(direction, this.up)];
+  }
+
+  /** The point of the unit sphere that is seen there, on the side asked for, down to the horizon. */
+  onDome([a, b]: Point, front: boolean): Direction {
+    const outside = Math.max(1, Math.hypot(a, b));
+    const [u, v] = [a / outside, -b / outside];
+    const w = Math.sqrt(Math.max(0, 1 - u * u - v * v));
+    const [x, y, z] = [0, 1, 2].map((c) => u * this.right[c]! + v * this.up[c]! + w * this.near[c]!) as [number, number, number];
+    return [x, y, z > 0 === front ? z : 0];
+  }
+}
+
+/** What does not change with the direction: circles of θ, half circles of φ, the device plane, axes. */
+function ground(eye: Eye, front: boolean): SVGElement[] {
+  const arc = (points: Direction[]): string => `M${points.map((point) => eye.project(point).map((c) => c.toFixed(3)).join(" ")).join("L")}`;
+  const circle = (thetaDeg: number): Direction[] => Array.from({ length: 73 }, (_, k) => fromPolar(thetaDeg, 5 * k, front));
+  const meridian = (phiDeg: number): Direction[] => Array.from({ length: 19 }, (_, k) => fromPolar(5 * k, phiDeg, front));
+  const nets = [30, 60].map((theta) => path(arc(circle(theta)), "net"));
+  const meridians = Array.from({ length: 12 }, (_, k) => path(arc(meridian(30 * k)), "net"));
+  const z = front ? 1 : -1;
+  const axes: [Direction, string][] = [[[1.12, 0, 0], "X"], [[0, 1.12, 0], "Y"], [[0, 0, 1.12 * z], front ? "room" : "outside"]];
+  const named = axes.flatMap(([end, name]) => {
+    const [x, y] = eye.project(end.map((c) => c * (name.length > 1 ? 1.2 : 1.08)) as unknown as Direction);
+    // Beside the vertical axis, where the ball seldom is.
+    const text = svg("text", { x: x - (name.length > 1 ? 0.3 : 0), y: y + 0.045 });
+    text.textContent = name;
+    return [path(arc([[0, 0, 0], end]), "axis"), text];
+  });
+  return [path(`${arc(circle(90))}Z`, "plane"), ...nets, ...meridians, ...named];
+}
+
+function path(d: string, kind: string): SVGElement {
+  return svg("path", { d, class: kind });
+}
+
+function dot(a: Direction, b: Direction): number {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

@@ -10,6 +10,7 @@ export class Legend {
   private readonly bar = make("canvas", { width: 256, height: 1 });
   private readonly ticks = make("div", { className: "ticks" });
   private readonly hold: HoldSwitch;
+  private drawn = "";
 
   constructor(set: Set) {
     this.hold = new HoldSwitch(set);
@@ -18,6 +19,10 @@ export class Legend {
 
   draw(state: State, scale: Scale): void {
     this.hold.draw(state, scale);
+    // Elements cost more than the frame that they are in.
+    const drawn = `${scale.kind} ${scale.highest} ${state.natural}`;
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
     const greys = VIRIDIS_PIXELS.map((_, k) => 0xff000000 | (0x10101 * Math.round(255 * (k / 255) ** (1 / 2.2))));
     const pixels = state.natural ? greys : VIRIDIS_PIXELS.slice();
     this.bar.getContext("2d")!.putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), 256), 0, 0);

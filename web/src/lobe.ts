@@ -9,6 +9,12 @@ import type { State } from "./state";
 /** What three.js mixes: colours in proportion to light. */
 const LINEAR = Float32Array.from({ length: 256 }, (_, c) => new Color().setRGB(c / 255, 0, 0, SRGBColorSpace).r);
 
+/** Cells along an edge of the net, and places that are asked along an edge of each. */
+export interface Fineness {
+  readonly n: number;
+  readonly perKnot: number;
+}
+
 /** A net, and what of it does not change with the incident direction. */
 interface Net {
   geometry: BufferGeometry;
@@ -20,11 +26,13 @@ export class Lobe {
   private readonly nets = new Map<string, Net>();
 
   /** Values at the knots, so that both lobes can share a scale. */
-  values(file: Opened, state: State, front: boolean, n: number): Float32Array {
-    return file.lobe(file.band(state.band), state.incident, front, n);
+  values(file: Opened, state: State, front: boolean, { n, perKnot }: Fineness): Float32Array {
+    return file.lobe(file.band(state.band), state.incident, front, n, perKnot);
   }
 
-  draw(file: Opened, state: State, front: boolean, n: number, values: Float32Array, scale: Scale): void {
+  draw(file: Opened, state: State, front: boolean, { n }: Fineness, values: Float32Array, scale: Scale): void {
+    this.mesh.visible = values.some((value) => value > 0);
+    if (!this.mesh.visible) return;
     const { geometry, knots } = this.net(file, front, n);
     const places = geometry.getAttribute("position") as BufferAttribute;
     const colours = geometry.getAttribute("color") as BufferAttribute;
@@ -40,7 +48,6 @@ export class Lobe {
     }
     places.needsUpdate = colours.needsUpdate = true;
     this.mesh.geometry = geometry;
-    this.mesh.visible = values.some((value) => value > 0);
   }
 
   private net(file: Opened, front: boolean, n: number): Net {

@@ -10,16 +10,17 @@ import type { Direction, Summary } from "./core";
 import { fromPolar, MOST_THETA_DEG, stepped, toPolar } from "./directions";
 import { make } from "./dom";
 import { Legend } from "./legend";
-import { Lobe } from "./lobe";
+import { type Fineness, Lobe } from "./lobe";
 import { Scale, short } from "./scale";
 import { Space } from "./space";
 import type { State } from "./state";
 import type { Set, View } from "./view";
 
-/** Cells of the net along an edge: at least, at most, at most while the incident direction moves. */
-const COARSEST = 64;
-const FINEST = 256;
-const FINEST_MOVING = 128;
+/** Cells of the net along an edge, and places asked for along it, at most: while still, and while the incident direction moves. */
+const STILL = { cells: 256, places: 512 };
+const MOVING = { cells: 64, places: 256 };
+/** Of matrices, whose patches are no squares. */
+const OF_MATRIX = 128;
 const QUIET = 0x8a9099;
 const LIGHT = 0xe69f00;
 /** How long the incident ray is; lobes end at 1. */
@@ -61,11 +62,11 @@ export class Lobes implements View {
   draw(state: State): void {
     this.state = state;
     const file = state.first!;
-    const n = cells(file.summary, state);
+    const fine = fineness(file.summary, state);
     const fronts = [state.incident[2] > 0, state.incident[2] <= 0] as const;
-    const values = this.lobes.map((lobe, k) => lobe.values(file, state, fronts[k]!, n));
+    const values = this.lobes.map((lobe, k) => lobe.values(file, state, fronts[k]!, fine));
     const scale = Scale.of(state, Math.max(...values.map((some) => some.reduce((most, value) => Math.max(most, value), 0))));
-    this.lobes.forEach((lobe, k) => lobe.draw(file, state, fronts[k]!, n, values[k]!, scale));
+    this.lobes.forEach((lobe, k) => lobe.draw(file, state, fronts[k]!, fine, values[k]!, scale));
     this.ray.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...state.incident));
     this.drawRings(scale);
     this.legend.draw(state, scale);
@@ -158,11 +159,13 @@ export class Lobes implements View {
   }
 }
 
-/** As many as the finest tree has, so that no leaf is missed. */
-function cells({ bands }: Summary, { band, moving }: State): number {
+/** As fine as the finest tree, so that no leaf is missed; a coarser net has the largest value of each of its cells. */
+function fineness({ bands }: Summary, { band, moving }: State): Fineness {
   const components = bands.find(({ name }) => name === band)?.components ?? [];
-  const finest = Math.max(...components.map(({ form }) => (form.log2_res === undefined ? FINEST_MOVING : 2 ** form.log2_res)));
-  return Math.min(moving ? FINEST_MOVING : FINEST, Math.max(COARSEST, finest));
+  const finest = Math.max(64, ...components.map(({ form }) => (form.log2_res === undefined ? OF_MATRIX : 2 ** form.log2_res)));
+  const { cells, places } = moving ? MOVING : STILL;
+  const n = Math.min(cells, finest);
+  return { n, perKnot: Math.min(places, finest) / n };
 }
 
 function plane(): Group {

@@ -17,10 +17,18 @@ import { Totals } from "./totals";
 import { Tabs, type View } from "./view";
 
 const store = new Store(draw);
-const views: View[] = [new Lobes(store.set), new PolarMaps(store.set), new Slice(store.set), new Totals(store.set), new Mosaic(store.set), new FileView()];
-const tabs = new Tabs(views, found("tabs", HTMLElement), found("stage", HTMLElement), () => draw(store.state));
+const views: View[] = [
+  new Lobes(store.set),
+  new PolarMaps(store.set),
+  new Slice(store.set),
+  new Totals(store.set),
+  new Mosaic(store.set),
+  new FileView(),
+];
+// The direction under the pointer is one of the view that was left.
+const tabs = new Tabs(views, found("tabs", HTMLElement), found("stage", HTMLElement), () => store.set({ pointedAt: null }));
 const controls = new Controls(store);
-const dome = new Dome(found("dome", HTMLCanvasElement), (incident, moving) => store.set({ incident, moving }));
+const dome = new Dome(found("dome", HTMLElement), (incident, moving) => store.set({ incident, moving }));
 const loader = new Loader(store, found("message", HTMLElement));
 
 function draw(state: State): void {

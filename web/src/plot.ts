@@ -1,7 +1,7 @@
 // A plot of values over an angle, as SVG. In: curves, axes, marks. Out: the picture, and the sample under the pointer or the keyboard's cursor. Of the samples that
 // fall into one pixel the highest is drawn and read, so that nothing narrow is lost.
 
-import { make } from "./dom";
+import { make, svg } from "./dom";
 
 /** Values at the middles of equal steps over the range of x. */
 export interface Curve {
@@ -37,6 +37,9 @@ const MARGIN = { left: 62, top: 22, right: 14, bottom: 42 };
 export class Plot {
   readonly element = make("div", { className: "plot", tabIndex: 0 });
   private readonly svg = svg("svg", {});
+  private readonly fixed = svg("g", {});
+  private readonly moving = svg("g", {});
+  private drawn = "";
   private readonly key = make("p", { className: "key" });
   private figure: Figure | null = null;
   private cursor: { x: number; curve: number } | null = null;
@@ -49,6 +52,7 @@ export class Plot {
   ) {
     this.element.append(this.key, make("div", { className: "curves" }));
     this.element.lastElementChild!.append(this.svg);
+    this.svg.append(this.fixed, this.moving);
     this.listen();
     new ResizeObserver(() => this.paint()).observe(this.element);
   }
@@ -81,9 +85,14 @@ export class Plot {
   private paint(): void {
     const { width, height } = this.size;
     if (!this.figure || width < 100 || height < 80) return;
+    const { curves, compared, ticks } = this.figure;
+    this.moving.replaceChildren(...curves.map((curve) => this.curve(curve)), ...this.marks(), ...this.cursorMarks());
+    // What is about the curves changes rarely, and costs more than they do.
+    const drawn = JSON.stringify([width, height, ticks, curves.map(({ label }) => label), compared]);
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    this.svg.replaceChildren(...this.grid(), ...this.figure.curves.map((curve) => this.curve(curve)), ...this.marks(), ...this.cursorMarks());
-    const { curves, compared } = this.figure;
+    this.fixed.replaceChildren(...this.grid());
     const keys = curves.filter(({ label }) => label !== "").map(({ label, kind }) => make("span", { className: kind }, label));
     this.key.replaceChildren(...keys, ...(compared === null ? [] : [make("span", { className: "compared" }, compared)]));
   }
@@ -106,16 +115,28 @@ export class Plot {
   }
 
   private curve({ kind, values }: Curve): SVGElement {
-    const { right } = this.size;
-    const columns = Math.max(1, Math.round(right - MARGIN.left));
-    const step = Math.max(1, Math.floor(values.length / columns));
+    const { right, bottom } = this.size;
+    const { from, to } = this.axes;
+    const n = values.length;
+    const step = Math.max(1, Math.floor(n / Math.max(1, right - MARGIN.left)));
+    const across = (k: number): string => (MARGIN.left + ((this.middle(k, n) - from) / (to - from)) * (right - MARGIN.left)).toFixed(1);
     const points: string[] = [];
-    for (let k = 0; k < values.length; k += step) {
-      const end = Math.min(values.length, k + step);
+    let [last, skipped] = [NaN, ""];
+    for (let k = 0; k < n; k += step) {
+      const end = Math.min(n, k + step);
       let most = values[k]!;
       for (let l = k + 1; l < end; l++) most = Math.max(most, values[l]!);
-      points.push(`${this.across(this.middle((k + end - 1) / 2, values.length)).toFixed(1)} ${this.up(most).toFixed(1)}`);
+      const point = `${across((k + end - 1) / 2)} ${(bottom - this.figure!.place(most) * (bottom - MARGIN.top)).toFixed(1)}`;
+      // Of a run of equal values, the ends are enough.
+      if (most === last) {
+        skipped = point;
+        continue;
+      }
+      if (skipped) points.push(skipped);
+      points.push(point);
+      [last, skipped] = [most, ""];
     }
+    if (skipped) points.push(skipped);
     return svg("path", { class: `curve ${kind}`, d: `M${points.join("L")}` });
   }
 
@@ -199,12 +220,6 @@ export class Plot {
     const { length } = this.figure.curves[next]!.values;
     this.move({ x: this.middle(Math.min(length - 1, Math.floor(share * length)), length), curve: next });
   }
-}
-
-function svg(tag: string, attributes: Record<string, string | number>): SVGElement {
-  const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
-  return element;
 }
 
 function line(kind: string, x1: number, y1: number, x2: number, y2: number): SVGElement {

@@ -21,11 +21,10 @@ export class FileView implements View {
 function described(fileName: string, summary: Summary): HTMLElement {
   const place = make("article", {}, make("h2", {}, summary.name || fileName));
   place.append(terms([["file", fileName], ["manufacturer", summary.manufacturer]]));
-  for (const { name, components } of summary.bands) {
-    for (const component of components) {
-      place.append(make("h3", {}, `${component.part.replace("_", " ")}, ${name}`), terms(figures(component)));
-    }
-  }
+  const components = summary.bands.flatMap(({ name, components }) =>
+    components.map((component) => make("section", {}, make("h3", {}, `${component.part.replace("_", " ")}, ${name}`), terms(figures(component)))),
+  );
+  place.append(make("div", { className: "components" }, ...components));
   place.append(...summary.notes.map(({ repaired, what }) => make("p", { className: "hint" }, `${repaired ? "repaired" : "note"}: ${what}`)));
   return place;
 }

@@ -202,8 +202,16 @@ pub extern "C" fn bsdftree_knots(front: u32, n: usize) -> usize {
 
 /// See [`lobe::lobe`].
 #[unsafe(no_mangle)]
-pub extern "C" fn bsdftree_lobe(band: usize, ix: f64, iy: f64, iz: f64, front: u32, n: usize) -> usize {
-    counted(band, |band, _| lobe::lobe(band, [ix, iy, iz], side(front), n))
+pub extern "C" fn bsdftree_lobe(
+    band: usize,
+    ix: f64,
+    iy: f64,
+    iz: f64,
+    front: u32,
+    n: usize,
+    per_knot: usize,
+) -> usize {
+    counted(band, |band, _| lobe::lobe(band, [ix, iy, iz], side(front), n, per_knot))
 }
 
 /// See [`lobe::lobe_colours`].

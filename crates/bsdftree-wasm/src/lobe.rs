@@ -22,9 +22,26 @@ pub fn knots(side: Side, n: usize) -> Vec<Direction> {
     all.map(|(k, l)| side.direction_from_disk(disk_from_square([place(k), place(l)]))).collect()
 }
 
-/// Values \[1/sr\] at the knots.
-pub fn lobe(band: &Band, incident: Direction, side: Side, n: usize) -> Vec<f32> {
-    values(band, incident, &knots(side, n))
+/// Values \[1/sr\] at the knots. Those that are not on the border have the largest of `per_knot` × `per_knot` places of their cell, so that a coarse net
+/// has narrow peaks too.
+pub fn lobe(band: &Band, incident: Direction, side: Side, n: usize, per_knot: usize) -> Vec<f32> {
+    let n = n.clamp(1, MOST_CELLS);
+    let per_knot = per_knot.clamp(1, MOST_CELLS.div_ceil(n));
+    let mut net = values(band, incident, &knots(side, n));
+    if per_knot == 1 {
+        return net;
+    }
+    let fine = values(band, incident, &knots(side, n * per_knot));
+    let width = n * per_knot + 2;
+    for (place, value) in net.iter_mut().enumerate() {
+        let (k, l) = (place / (n + 2), place % (n + 2));
+        if (1..=n).contains(&k) && (1..=n).contains(&l) {
+            let (row, column) = ((k - 1) * per_knot + 1, (l - 1) * per_knot + 1);
+            let cell = (row..row + per_knot).flat_map(|row| &fine[row * width + column..][..per_knot]);
+            *value = cell.copied().fold(0.0, f32::max);
+        }
+    }
+    net
 }
 
 /// Pixels of sRGB with alpha at the knots.
@@ -50,9 +67,11 @@ mod tests {
                 Part::ReflectionBack,
                 Component::grey(Tree::from_grid(Rank::Four, &values).unwrap().into()),
             );
-            let found = lobe(&band, incident, Side::Front, n);
+            let found = lobe(&band, incident, Side::Front, n, 1);
             assert_eq!(found.len(), (n + 2) * (n + 2));
             assert_eq!(found[(k / n + 1) * (n + 2) + k % n + 1], 1.0, "{k}");
+            let coarse = lobe(&band, incident, Side::Front, n / 4, 4);
+            assert_eq!(coarse[(k / n / 4 + 1) * (n / 4 + 2) + k % n / 4 + 1], 1.0, "{k}");
         }
     }
 
