@@ -18,6 +18,7 @@ const MADE = [
 const PICTURES = [
   ["lobes", "light", ["prism.xml"], 40, 90, "front", "Lobes"],
   ["polar", "dark", ["blinds.xml"], 40, 90, "back", "Polar maps", (page) => page.locator("#edges").check()],
+  ["mosaic", "light", ["blinds.xml"], 40, 90, "back", "Mosaic", (page) => page.locator("#part").selectOption("transmission_front")],
   ["slice", "light", ["prism.xml"], 40, 90, "front", "Slice"],
   ["totals", "dark", ["prism.xml"], 40, 90, "front", "Totals"],
 ];

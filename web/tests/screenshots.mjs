@@ -33,7 +33,7 @@ await withViewer(async (viewer) => {
   }
   if (renew) return store(taken);
   const names = readdirSync(stored).map((file) => file.replace(".png", ""));
-  assert.deepEqual([...taken.keys()].sort(), names.sort(), "views are those stored, or: npm run screenshots");
+  assert.deepEqual([...taken.keys()].sort(), names.sort(), "views are those stored; if others are meant: npm run screenshots");
   await areAsStored(await viewer.browser.newPage(), taken);
 });
 
