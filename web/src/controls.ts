@@ -22,8 +22,9 @@ export class Controls {
     this.first.addEventListener("change", () => set({ first: file(this.first), held: null }));
     this.compared.addEventListener("change", () => set({ compared: file(this.compared) }));
     this.band.addEventListener("change", () => set({ band: this.band.value }));
-    this.part.addEventListener("change", () => set({ part: this.part.value }));
-    this.scale.addEventListener("change", () => set({ scale: this.scale.value === "log" ? "log" : "linear" }));
+    this.part.addEventListener("change", () => this.turnTo(this.part.value));
+    found("close", HTMLButtonElement).addEventListener("click", () => this.close());
+    this.scale.addEventListener("change", () => set({ decades: Number(this.scale.value) }));
     this.natural.addEventListener("change", () => set({ natural: this.natural.value !== "" }));
     this.edges.addEventListener("change", () => set({ edges: this.edges.checked }));
     [this.theta, this.phi].forEach((input) => input.addEventListener("input", () => this.typed()));
@@ -37,7 +38,8 @@ export class Controls {
     const bands = state.first?.summary.bands ?? [];
     fill(this.band, bands.map(({ name }) => name), state.band);
     fill(this.part, bands.find(({ name }) => name === state.band)?.components.map(({ part }) => part) ?? [], state.part);
-    this.scale.value = state.scale;
+    this.scale.value = String(state.decades);
+    this.natural.disabled = !bands.some(({ components }) => components.some(({ is_coloured }) => is_coloured));
     this.natural.value = state.natural ? "natural" : "";
     this.edges.checked = state.edges;
     this.side.value = state.incident[2] > 0 ? "front" : "back";
@@ -45,6 +47,22 @@ export class Controls {
     // What is being typed is left alone.
     if (document.activeElement !== this.theta) this.theta.value = String(Number(thetaDeg.toFixed(3)));
     if (document.activeElement !== this.phi) this.phi.value = String(Number(phiDeg.toFixed(3)));
+  }
+
+  /** Forgets the file that is shown; the next one takes its place. */
+  private close(): void {
+    const { first, compared, files } = this.store.state;
+    const rest = files.filter((file) => file !== first);
+    const next = compared ?? rest.at(-1) ?? null;
+    this.store.set({ files: rest, first: next, compared: null, held: null, pointedAt: null });
+  }
+
+  /** Light comes from the side of a component that is chosen. */
+  private turnTo(part: string): void {
+    const { first, band, incident } = this.store.state;
+    const front = first?.summary.bands.find(({ name }) => name === band)?.components.find((component) => component.part === part)?.incident_front;
+    const [x, y, z] = incident;
+    this.store.set({ part, incident: (front ?? z > 0) === z > 0 ? incident : [x, y, -z] });
   }
 
   private typed(): void {

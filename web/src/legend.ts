@@ -20,7 +20,7 @@ export class Legend {
   draw(state: State, scale: Scale): void {
     this.hold.draw(state, scale);
     // Elements cost more than the frame that they are in.
-    const drawn = `${scale.kind} ${scale.highest} ${state.natural}`;
+    const drawn = `${scale.decades} ${scale.highest} ${state.natural}`;
     if (drawn === this.drawn) return;
     this.drawn = drawn;
     const greys = VIRIDIS_PIXELS.map((_, k) => 0xff000000 | (0x10101 * Math.round(255 * (k / 255) ** (1 / 2.2))));

@@ -76,8 +76,14 @@ export class Loader {
       first: opened,
       compared: null,
       held: null,
+      decades: decades(Math.max(...components.map(({ maximum }) => maximum))),
       natural: components.some(({ is_coloured }) => is_coloured),
       incident: fromPolar(thetaDeg, phiDeg, components[0]?.incident_front ?? true),
     });
   }
+}
+
+/** Enough to see a dim diffuser, of 0.01 sr⁻¹, beside the largest value. */
+function decades(maximum: number): number {
+  return Math.min(8, Math.max(4, 2 * Math.ceil(Math.log10(maximum / 0.01) / 2))) || 4;
 }

@@ -13,7 +13,7 @@ import { Legend } from "./legend";
 import { type Fineness, Lobe } from "./lobe";
 import { Scale, short } from "./scale";
 import { Space } from "./space";
-import type { State } from "./state";
+import { showsTheSame, type State } from "./state";
 import type { Set, View } from "./view";
 
 /** Cells of the net along an edge, and places asked for along it, at most: while still, and while the incident direction moves. */
@@ -60,7 +60,9 @@ export class Lobes implements View {
   }
 
   draw(state: State): void {
+    const isDrawn = showsTheSame(this.state, state);
     this.state = state;
+    if (isDrawn) return;
     const file = state.first!;
     const fine = fineness(file.summary, state);
     const fronts = [state.incident[2] > 0, state.incident[2] <= 0] as const;
@@ -75,7 +77,7 @@ export class Lobes implements View {
 
   /** Radii that are worth a label, on the device plane. */
   private drawRings(scale: Scale): void {
-    const ticks = [...scale.ticks().filter((tick) => scale.place(tick) > 0.1 && scale.place(tick) < 0.93), scale.highest];
+    const ticks = [...scale.ticks().filter((tick) => scale.place(tick) > 0.1 && scale.place(tick) < 0.85), scale.highest];
     this.rings.forEach(({ line, label }, k) => {
       const tick = ticks[k];
       line.visible = tick !== undefined;

@@ -32,8 +32,8 @@ const dome = new Dome(found("dome", HTMLElement), (incident, moving) => store.se
 const loader = new Loader(store, found("message", HTMLElement));
 
 function draw(state: State): void {
+  found("page", HTMLElement).hidden = !state.first;
   if (!state.first) return;
-  found("page", HTMLElement).hidden = false;
   controls.draw(state);
   dome.show(state.incident);
   tabs.visible.draw(state);

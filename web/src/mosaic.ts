@@ -165,7 +165,7 @@ export class Mosaic implements View {
   private renew(sharp: number, colours: (values: Float32Array, width: number) => ImageData, scale: Scale): void {
     const { file, of, depth, layout } = this.shown!;
     const seen = inSight(this.pan.frame, layout, this.canvas, sharp);
-    const key = JSON.stringify([seen, depth, scale.kind, scale.highest]);
+    const key = JSON.stringify([seen, depth, scale.decades, scale.highest]);
     if (seen.width === 0 || seen.height === 0 || this.picture?.key === key) return;
     const begun = performance.now();
     const canvas = new OffscreenCanvas(seen.width, seen.height);

@@ -1,84 +1,88 @@
 // Polar maps: the exitant hemispheres as disks of (x, y), so that equal areas are equal projected solid angles; both sides seen from the
-// room. In: the state. Out: pictures, and the direction under the pointer.
+// room. In: the state. Out: pictures, and the direction under the pointer or the keyboard's cursor.
 
 import type { Direction } from "./core";
-import { fromDisk } from "./directions";
+import { Disk } from "./disk";
 import { make } from "./dom";
 import { Legend } from "./legend";
 import { Scale } from "./scale";
-import type { State } from "./state";
+import { showsTheSame, type State } from "./state";
 import type { Set, View } from "./view";
 
-/** Pixels across while still, and while the incident direction moves. */
-const FINE = 400;
+/** Pixels across while the incident direction moves, and at most while it does not. */
 const COARSE = 200;
+const FINEST = 900;
 
 export class PolarMaps implements View {
   readonly name = "Polar maps";
   readonly element = make("section");
-  private readonly maps: [PolarMap, PolarMap];
+  private readonly disks: readonly [Disk, Disk];
   private readonly legend: Legend;
+  private drawn: State | null = null;
+  private n = 0;
 
   constructor(set: Set) {
     const pointed = (pointedAt: Direction | null): void => set({ pointedAt });
-    this.maps = [new PolarMap("reflection", pointed), new PolarMap("transmission", pointed)];
+    this.disks = [new Disk("reflection", pointed), new Disk("transmission", pointed)];
     this.legend = new Legend(set);
-    this.element.append(make("div", { className: "maps" }, ...this.maps.map(({ element }) => element)), this.legend.element);
+    this.element.append(make("div", { className: "maps" }, ...this.disks.map(({ element }) => element)), this.legend.element);
+    new ResizeObserver(() => this.drawn && !this.element.hidden && this.draw(this.drawn)).observe(this.element);
   }
 
   draw(state: State): void {
-    const n = state.moving ? COARSE : FINE;
-    const fronts = [state.incident[2] > 0, state.incident[2] <= 0] as const;
+    // As many pixels as the screen has there.
+    const n = state.moving ? COARSE : Math.min(FINEST, Math.round(this.disks[0].width * window.devicePixelRatio) || COARSE);
+    if (n !== this.n || !showsTheSame(this.drawn, state)) this.paint(state, n);
+    this.drawn = state;
+    this.n = n;
+    this.disks.forEach((disk) => disk.point(state));
+  }
+
+  private paint(state: State, n: number): void {
+    const { incident, natural } = state;
+    const fronts = [incident[2] > 0, incident[2] <= 0] as const;
     const file = state.first!;
     const band = file.band(state.band);
-    const pictures = fronts.map((front) => file.hemisphere(band, state.incident, front, n));
+    // Leaves that are finer than pixels would be missed.
+    const isFine = !state.moving && finest(state) > n / 2;
+    const pictures = fronts.map((front) => (isFine ? largestOfFour(file.hemisphere(band, incident, front, 2 * n), n) : file.hemisphere(band, incident, front, n)));
     // NaN is never larger.
     const largest = pictures.map((values) => values.reduce((most, value) => (value > most ? value : most), 0));
     const scale = Scale.of(state, Math.max(...largest));
-    this.maps.forEach((map, k) => {
-      const edges = state.edges && !state.moving ? file.edges(band, state.incident, fronts[k]!, n) : null;
-      const picture = state.natural
-        ? new ImageData(new Uint8ClampedArray(file.colours(band, state.incident, fronts[k]!, n, scale)), n)
-        : scale.paint(pictures[k]!);
-      map.draw(fronts[k]!, picture, edges, largest[k] === 0);
+    this.disks.forEach((disk, k) => {
+      const front = fronts[k]!;
+      const edges = state.edges && !state.moving ? file.edges(band, incident, front, n) : null;
+      const picture = natural ? new ImageData(new Uint8ClampedArray(file.colours(band, incident, front, n, scale)), n) : scale.paint(pictures[k]!);
+      disk.draw(front, picture, edges, largest[k] === 0);
+      disk.ring(needle(pictures[k]!, largest[k]!), n);
     });
     this.legend.draw(state, scale);
   }
 }
 
-class PolarMap {
-  readonly element: HTMLElement;
-  private readonly canvas: HTMLCanvasElement;
-  private readonly caption = make("figcaption");
-  private front = true;
+/** The pixel of the largest value, if it and its like are too few to be seen; else −1. */
+function needle(values: Float32Array, largest: number): number {
+  let n = 0;
+  for (const value of values) if (value > largest / 2) n++;
+  return n < values.length / 2000 ? values.indexOf(largest) : -1;
+}
 
-  constructor(
-    private readonly id: "reflection" | "transmission",
-    pointed: (exitant: Direction | null) => void,
-  ) {
-    this.canvas = make("canvas", { id });
-    this.element = make("figure", {}, this.caption, make("div", { className: "square" }, this.canvas));
-    this.canvas.addEventListener("pointermove", (event) => pointed(this.under(event)));
-    this.canvas.addEventListener("pointerdown", (event) => pointed(this.under(event)));
-    this.canvas.addEventListener("pointerleave", () => pointed(null));
-  }
+/** Cells along an edge of the finest tree, 0 of matrices. */
+function finest({ first, band }: State): number {
+  const components = first!.summary.bands.find(({ name }) => name === band)?.components ?? [];
+  return Math.max(0, ...components.map(({ form }) => (form.log2_res === undefined ? 0 : 2 ** form.log2_res)));
+}
 
-  draw(front: boolean, picture: ImageData, edges: Uint8Array | null, isBlack: boolean): void {
-    this.front = front;
-    const verb = this.id === "reflection" ? "reflected" : "transmitted";
-    this.caption.textContent = `${verb}, ${front ? "into the room (+Z)" : "to outside (−Z)"}${isBlack ? ": nothing" : ""}`;
-    edges?.forEach((edge, k) => {
-      // Half white, half what is there.
-      if (edge) for (let c = 4 * k; c < 4 * k + 3; c++) picture.data[c] = (picture.data[c]! + 255) / 2;
-    });
-    this.canvas.width = this.canvas.height = picture.width;
-    this.canvas.getContext("2d")!.putImageData(picture, 0, 0);
+/** Half as large a picture, n × n, without losing what is narrow. */
+function largestOfFour(values: Float32Array, n: number): Float32Array {
+  const picture = new Float32Array(n * n);
+  for (let row = 0; row < n; row++) {
+    for (let column = 0; column < n; column++) {
+      const corner = 4 * row * n + 2 * column;
+      let most = NaN;
+      for (const k of [corner, corner + 1, corner + 2 * n, corner + 2 * n + 1]) if (!(values[k]! <= most)) most = Number.isNaN(values[k]!) ? most : values[k]!;
+      picture[row * n + column] = most;
+    }
   }
-
-  private under(event: PointerEvent): Direction | null {
-    const box = this.canvas.getBoundingClientRect();
-    const x = (2 * (event.clientX - box.left)) / box.width - 1;
-    const y = 1 - (2 * (event.clientY - box.top)) / box.height;
-    return fromDisk(x, y, this.front);
-  }
+  return picture;
 }

@@ -1,10 +1,9 @@
-// Values to places between 0 and 1, and those to colours: a scale is logarithmic over four decades below its highest value, or linear from 0. Colours are
+// Values to places between 0 and 1, and those to colours: a scale is logarithmic over some decades below its highest value, or linear from 0. Colours are
 // matplotlib's viridis, which is even in lightness and safe for colour-blind eyes: nine of its colours, straight lines between.
 
 import type { State } from "./state";
 
 const VIRIDIS = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725];
-const DECADES = 4;
 
 /** 256 pixels of RGBA, little-endian. */
 export const VIRIDIS_PIXELS = Uint32Array.from({ length: 256 }, (_, k) => {
@@ -18,44 +17,39 @@ export const VIRIDIS_PIXELS = Uint32Array.from({ length: 256 }, (_, k) => {
 });
 
 export class Scale {
-  /** Up to `highest` [1/sr], which is positive. */
+  /** Up to `highest` [1/sr], which is positive, over `decades` powers of ten; none: linear. */
   constructor(
-    readonly kind: "log" | "linear",
     readonly highest: number,
+    readonly decades: number,
   ) {}
 
   /** The scale of a view whose largest value is `largest`, unless the user holds another. */
-  static of({ scale, held }: State, largest: number): Scale {
-    return new Scale(scale, held ?? (largest > 0 && Number.isFinite(largest) ? largest : 1));
-  }
-
-  /** Powers of ten that it spans; 0 for a linear one. */
-  get decades(): number {
-    return this.kind === "log" ? DECADES : 0;
+  static of({ decades, held }: State, largest: number): Scale {
+    return new Scale(held ?? (largest > 0 && Number.isFinite(largest) ? largest : 1), decades);
   }
 
   /** The smallest value that is told from 0. */
   get lowest(): number {
-    return this.kind === "log" ? this.highest / 10 ** DECADES : 0;
+    return this.decades > 0 ? this.highest / 10 ** this.decades : 0;
   }
 
   /** Where a value lies, 0 to 1. */
   place(value: number): number {
     if (!(value > this.lowest)) return 0;
-    const place = this.kind === "log" ? 1 + Math.log10(value / this.highest) / DECADES : value / this.highest;
+    const place = this.decades > 0 ? 1 + Math.log10(value / this.highest) / this.decades : value / this.highest;
     return Math.min(1, place);
   }
 
   /** The value at a place. */
   value(place: number): number {
-    return this.kind === "log" ? this.highest * 10 ** (DECADES * (place - 1)) : this.highest * place;
+    return this.decades > 0 ? this.highest * 10 ** (this.decades * (place - 1)) : this.highest * place;
   }
 
   /** Pixels of values, of a square of them by default; NaN is transparent. */
   paint(values: Float32Array, width = Math.round(Math.sqrt(values.length))): ImageData {
     const pixels = new Uint32Array(values.length);
-    const { lowest, highest } = this;
-    const [log, steps] = this.kind === "log" ? [true, 255 / (DECADES * Math.LN10)] : [false, 255 / highest];
+    const { lowest, highest, decades } = this;
+    const [log, steps] = decades > 0 ? [true, 255 / (decades * Math.LN10)] : [false, 255 / highest];
     for (let k = 0; k < values.length; k++) {
       const value = values[k]!;
       if (Number.isNaN(value)) continue;
@@ -67,10 +61,11 @@ export class Scale {
 
   /** Round values that are worth a label, from low to high. */
   ticks(): number[] {
-    const { lowest, highest } = this;
-    if (this.kind === "log") {
+    const { lowest, highest, decades } = this;
+    if (decades > 0) {
       const first = Math.ceil(Math.log10(lowest) - 1e-9);
-      return Array.from({ length: DECADES + 1 }, (_, k) => 10 ** (first + k)).filter((tick) => tick <= highest * (1 + 1e-9));
+      const step = decades > 5 ? 2 : 1;
+      return Array.from({ length: decades + 1 }, (_, k) => 10 ** (first + k * step)).filter((tick) => tick <= highest * (1 + 1e-9));
     }
     const rough = highest / 4;
     const decade = 10 ** Math.floor(Math.log10(rough));

@@ -7,7 +7,7 @@ import { make } from "./dom";
 import { HoldSwitch } from "./legend";
 import { type Curve, Plot } from "./plot";
 import { Scale, short } from "./scale";
-import type { State } from "./state";
+import { showsTheSame, type State } from "./state";
 import type { Set, View } from "./view";
 
 /** Samples over 180°: the finest that the core gives, less than a leaf of 2⁻¹⁰. */
@@ -18,6 +18,7 @@ export class Slice implements View {
   readonly element = make("section", { id: "slice" });
   private readonly plot: Plot;
   private readonly hold: HoldSwitch;
+  private drawn: State | null = null;
   private incident: Direction = [0, 0, 1];
 
   constructor(set: Set) {
@@ -28,6 +29,9 @@ export class Slice implements View {
   }
 
   draw(state: State): void {
+    const isDrawn = showsTheSame(this.drawn, state);
+    this.drawn = state;
+    if (isDrawn) return;
     this.incident = state.incident;
     const curves = [state.first, state.compared].filter((file) => file !== null).flatMap((file, k) =>
       ["reflected", "transmitted"].map((verb, lobe): Curve => {

@@ -19,7 +19,8 @@ export interface State {
   readonly band: string;
   /** The component of views that show one whole component, one of `first`'s in `band`: "reflection_back" … */
   readonly part: string;
-  readonly scale: "log" | "linear";
+  /** Powers of ten that logarithmic scales span; 0: linear ones. */
+  readonly decades: number;
   /** The value [1/sr] at the top of the scale, held by the user; null: the largest that is shown. */
   readonly held: number | null;
   /** Colours as the eye sees them, where a component has them, or the map of false ones. */
@@ -42,7 +43,7 @@ export class Store {
     pointedFrom: null,
     band: "",
     part: "",
-    scale: "log",
+    decades: 4,
     held: null,
     natural: false,
     edges: false,
@@ -74,4 +75,11 @@ function consistent(state: State): State {
   const band = first.summary.bands.find(({ name }) => name === state.band) ?? first.summary.bands[0];
   const component = band?.components.find(({ part }) => part === state.part) ?? band?.components[0];
   return { ...state, compared, band: band?.name ?? "", part: component?.part ?? "" };
+}
+
+/** Whether two states differ in nothing but what is pointed at: then a picture stays. */
+export function showsTheSame(one: State | null, other: State): boolean {
+  if (!one) return false;
+  const pointing = new Set<keyof State>(["pointedAt", "pointedFrom"]);
+  return (Object.keys(other) as (keyof State)[]).every((key) => pointing.has(key) || one[key] === other[key]);
 }

@@ -14,6 +14,9 @@ await withViewer(async (viewer) => {
   for (const path of [blinds, t3]) await slicesAnswerAsTheCore(page, path);
   await totalsAnswerAsTheCore(page);
   await aHeldScaleStays(page);
+  await coloursAreAsSeen(page, viewer.folder);
+  await needlesAreSeen(page, viewer.folder);
+  await show(page, blinds);
   await keysReachEverything(page);
   for (const size of [{ width: 1280, height: 720 }, { width: 820, height: 1180 }]) await nothingScrolls(page, size);
   await touchMovesTheLight(viewer, problems);
@@ -77,6 +80,10 @@ async function aHeldScaleStays(page) {
   await page.locator(".view:not([hidden])").getByLabel("hold scale").check();
   await turn(80);
   assert.equal(await highest(), first, "held");
+  await page.locator("#scale").selectOption("linear");
+  await settled(page);
+  assert.equal(await page.locator(".view:not([hidden]) .legend .ticks span").first().textContent(), "0", "linear scales begin at 0");
+  await page.locator("#scale").selectOption("log, 4 decades");
   await page.locator(".view:not([hidden])").getByLabel("hold scale").uncheck();
   await settled(page);
   assert.notEqual(await highest(), first, "let go");
@@ -95,6 +102,11 @@ async function keysReachEverything(page) {
   await page.keyboard.press("ArrowLeft");
   await settled(page);
   assert.ok(await page.locator("#reflection").isVisible(), "arrow keys move along the tabs");
+  await page.locator("#reflection").press("Shift+ArrowRight");
+  const before = await page.locator("#readout").getAttribute("data-exitant");
+  await page.locator("#reflection").press("ArrowRight");
+  await settled(page);
+  assert.notEqual(await page.locator("#readout").getAttribute("data-exitant"), before, "arrow keys move the cursor of a map");
   await page.keyboard.press("?");
   assert.ok(await page.locator("#help").isVisible(), "? is help");
   assert.match(await page.locator("#help").textContent(), /room.*away from the surface/s);
@@ -119,6 +131,58 @@ async function nothingScrolls(page, size) {
       await keep(page, `${tab.toLowerCase().replaceAll(" ", "-")}-${colorScheme}-${size.width}`);
     }
   }
+}
+
+/** Red where light is red; chosen components turn the light to their side. */
+async function coloursAreAsSeen(page, folder) {
+  const red = join(folder, "red.xml");
+  const program = `
+import sys
+from bsdftree.cli import main
+main(["from-function", "r", "g", "b", "-c", "reflection_back", "-c", "transmission_front", "--log2-res", "3", "-o", sys.argv[1],
+      "-e", "r(ix,iy,iz,ox,oy,oz)=.3; g(ix,iy,iz,ox,oy,oz)=if(oy,.02,.3); b(ix,iy,iz,ox,oy,oz)=.02;"], standalone_mode=False)
+`;
+  ask(program, red);
+  await show(page, red);
+  await choose(page, "Polar maps");
+  const pixel = (x, y) =>
+    page.locator("#reflection").evaluate((canvas, [x, y]) => [...canvas.getContext("2d").getImageData(x * canvas.width, y * canvas.height, 1, 1).data], [x, y]);
+  assert.equal(await page.locator("#natural").inputValue(), "natural", "a coloured file is shown as seen");
+  await page.locator("#side").selectOption("front");
+  await page.locator("#scale").selectOption("linear");
+  await settled(page);
+  const [up, down] = [await pixel(0.5, 0.3), await pixel(0.5, 0.7)];
+  assert.ok(up[0] > 3 * up[1], `red above: ${up}`);
+  assert.ok(down[1] > 0.7 * down[0] && down[0] > 2 * down[2], `yellow below: ${down}`);
+  await page.locator("#part").selectOption("transmission_front");
+  await settled(page);
+  assert.equal(await page.locator("#side").inputValue(), "back", "light comes from the component's side");
+  await page.getByRole("button", { name: "close this file" }).click();
+  await settled(page);
+  assert.notEqual(await page.locator("#first").inputValue(), "red.xml");
+}
+
+/** A mirror's peak, a few leaves of 2⁻⁸, is seen in lobes and maps, where it is ringed. */
+async function needlesAreSeen(page, folder) {
+  const needle = join(folder, "needle.xml");
+  const program = `
+import sys
+from bsdftree.cli import main
+main(["from-function", "needle", "--rank", "3", "-c", "reflection_back", "--log2-res", "8", "--tolerance", "0.1", "-o", sys.argv[1],
+      "-e", "sq(x)=x*x; needle(ix,iy,iz,ox,oy,oz)=.01+1000*exp(-(sq(ix+ox)+sq(iy+oy))/.00002);"], standalone_mode=False)
+`;
+  ask(program, needle);
+  await show(page, needle);
+  await page.locator("#side").selectOption("front");
+  const largest = async (tab, selector) => {
+    await choose(page, tab);
+    return Number(await page.locator(selector).last().textContent());
+  };
+  const inLobes = await largest("Lobes", "#lobes .ticks span");
+  const inMaps = await largest("Polar maps", ".view:not([hidden]) .legend .ticks span");
+  assert.equal(await page.locator("#reflection + svg .needle").getAttribute("visibility"), "visible");
+  assert.ok(inLobes > 50 && inMaps > 50, `${inLobes} and ${inMaps} at the top of scales`);
+  await keep(page, "needle");
 }
 
 async function touchMovesTheLight(viewer, problems) {
