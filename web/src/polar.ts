@@ -64,7 +64,7 @@ export class PolarMaps implements View {
 function needle(values: Float32Array, largest: number): number {
   let n = 0;
   for (const value of values) if (value > largest / 2) n++;
-  return n < values.length / 2000 ? values.indexOf(largest) : -1;
+  return largest > 0 && n < values.length / 2000 ? values.indexOf(largest) : -1;
 }
 
 /** Cells along an edge of the finest tree, 0 of matrices. */
