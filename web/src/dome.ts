@@ -11,9 +11,9 @@ const EYE: Direction = [0.22, -0.72, 0.66];
 type Point = readonly [number, number];
 
 export class Dome {
-  private readonly picture = svg("svg", { "aria-hidden": "true" });
-  private readonly ground = svg("g", { class: "ground" });
-  private readonly ray = svg("g", { class: "incident" });
+  // Two drawings, one on the other, so that the ground is not drawn again with each ray.
+  private readonly ground = svg("svg", { "aria-hidden": "true" });
+  private readonly ray = svg("svg", { class: "incident", "aria-hidden": "true" });
   private direction: Direction = [0, 0, 1];
   /** Of what the ground was drawn for. */
   private front: boolean | null = null;
@@ -22,8 +22,7 @@ export class Dome {
     private readonly element: HTMLElement,
     private readonly moved: (incident: Direction, moving: boolean) => void,
   ) {
-    this.picture.append(this.ground, this.ray);
-    element.append(this.picture);
+    element.append(this.ground, this.ray);
     this.listen();
   }
 
@@ -34,7 +33,7 @@ export class Dome {
     if (front !== this.front) {
       this.ground.replaceChildren(...ground(eye, front));
       // What is far from the horizon is seen to its side only.
-      this.picture.setAttribute("viewBox", `-1.25 ${front ? -1.08 : -0.8} 2.5 1.88`);
+      for (const picture of [this.ground, this.ray]) picture.setAttribute("viewBox", `-1.25 ${front ? -1.08 : -0.8} 2.5 1.88`);
     }
     this.front = front;
     const [x, y] = eye.project(direction);
@@ -71,7 +70,7 @@ export class Dome {
 
   /** To the point of the dome under the pointer; beside it, to its border. */
   private drag(event: PointerEvent, moving: boolean): void {
-    const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.picture.getScreenCTM()!.inverse());
+    const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.ground.getScreenCTM()!.inverse());
     const front = this.direction[2] > 0;
     const { thetaDeg, phiDeg } = toPolar(new Eye(front).onDome([x, y], front));
     this.direction = fromPolar(Math.min(thetaDeg, MOST_THETA_DEG), phiDeg, front);

@@ -4,6 +4,9 @@ import { Opened, Refused } from "./core";
 import { fromPolar, toPolar } from "./directions";
 import type { Store } from "./state";
 
+/** Bytes that take long enough to wonder. */
+const LARGE = 5e6;
+
 export class Loader {
   constructor(
     private readonly store: Store,
@@ -13,7 +16,9 @@ export class Loader {
   /** Opens the bytes of a file; whether they are a BSDF, else what is wrong with them is said in the message. `place` among the files that came with it: 0 is shown, 1 is compared with it, others are
    * listed. */
   async open(name: string, bytes: Uint8Array, place = 0): Promise<boolean> {
-    this.say(`reading ${name} …`);
+    this.say(`reading ${name}, ${(bytes.length / 1e6).toFixed(1)} MB …`);
+    // So that it is seen, before the page stands still.
+    if (bytes.length > LARGE) await new Promise((painted) => setTimeout(painted, 30));
     const begun = performance.now();
     try {
       this.add(await Opened.open(name, bytes), place);

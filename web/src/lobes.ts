@@ -1,5 +1,6 @@
 // Lobes: what is reflected and transmitted as surfaces of radius f(ω) over the device plane, with the incident light. In: the state. Out: the picture, the exitant
-// direction under the pointer, and another incident direction when the ball at the end of its ray is dragged. Beside the ball, the camera orbits.
+// direction under the pointer, and another incident direction when the ball at the end of its ray is dragged. Beside the ball, the camera orbits. The lobes of a
+// compared file are in a second pane.
 
 import {
   AmbientLight, BufferGeometry, CircleGeometry, ConeGeometry, DirectionalLight, DoubleSide, Group, type Line, LineBasicMaterial, LineLoop, LineSegments, Mesh, MeshBasicMaterial,
@@ -12,13 +13,13 @@ import { make } from "./dom";
 import { Legend } from "./legend";
 import { type Fineness, Lobe } from "./lobe";
 import { Scale, short } from "./scale";
-import { Space } from "./space";
+import { type Label, Space } from "./space";
 import { showsTheSame, type State } from "./state";
 import type { Set, View } from "./view";
 
 /** Cells of the net along an edge, and places asked for along it, at most: while still, and while the incident direction moves. */
 const STILL = { cells: 256, places: 512 };
-const MOVING = { cells: 64, places: 256 };
+const MOVING = { cells: 64, places: 192 };
 /** Of matrices, whose patches are no squares. */
 const OF_MATRIX = 128;
 const QUIET = 0x8a9099;
@@ -29,12 +30,14 @@ const REACH = 1.15;
 export class Lobes implements View {
   readonly name = "Lobes";
   readonly element = make("section", { id: "lobes" });
-  private readonly space = new Space();
-  private readonly lobes = [new Lobe(), new Lobe()] as const;
+  private readonly space = new Space((pane) => this.groups.forEach((group, k) => (group.visible = k === pane)));
+  /** Reflection and transmission of the file that is shown, and of the one compared with it. */
+  private readonly lobes = [0, 1].map(() => [new Lobe(), new Lobe()] as const);
+  private readonly groups = this.lobes.map((both) => new Group().add(...both.map(({ mesh }) => mesh)));
   private readonly legend: Legend;
   private readonly ray = new Group();
   private readonly ball = new Object3D();
-  private readonly rings: { line: Line; label: { element: HTMLElement; place: Vector3 } }[];
+  private readonly rings: { line: Line; label: Label }[];
   private state: State | null = null;
 
   constructor(private readonly set: Set) {
@@ -45,7 +48,7 @@ export class Lobes implements View {
     const sun = new DirectionalLight(0xffffff, 1.1);
     sun.position.set(-0.6, 0.9, 1);
     space.camera.add(sun);
-    space.scene.add(new AmbientLight(0xffffff, 2.2), plane(), ...this.lobes.map(({ mesh }) => mesh), this.ray);
+    space.scene.add(new AmbientLight(0xffffff, 2.2), plane(), ...this.groups, this.ray);
     this.fillRay();
     this.rings = Array.from({ length: 6 }, () => {
       const line = circle();
@@ -63,12 +66,16 @@ export class Lobes implements View {
     const isDrawn = showsTheSame(this.state, state);
     this.state = state;
     if (isDrawn) return;
-    const file = state.first!;
-    const fine = fineness(file.summary, state);
+    const files = [state.first, state.compared].filter((file) => file !== null);
     const fronts = [state.incident[2] > 0, state.incident[2] <= 0] as const;
-    const values = this.lobes.map((lobe, k) => lobe.values(file, state, fronts[k]!, fine));
-    const scale = Scale.of(state, Math.max(...values.map((some) => some.reduce((most, value) => Math.max(most, value), 0))));
-    this.lobes.forEach((lobe, k) => lobe.draw(file, state, fronts[k]!, fine, values[k]!, scale));
+    const drawn = files.flatMap((file, f) => {
+      const fine = fineness(file.summary, state);
+      return this.lobes[f]!.map((lobe, k) => ({ lobe, file, front: fronts[k]!, fine, values: lobe.values(file, state, fronts[k]!, fine) }));
+    });
+    const largest = Math.max(...drawn.map(({ values }) => values.reduce((most, value) => Math.max(most, value), 0)));
+    const scale = Scale.of(state, largest);
+    drawn.forEach(({ lobe, file, front, fine, values }) => lobe.draw(file, state, front, fine, values, scale));
+    this.space.divide(files.length > 1 ? files.map(({ name }) => name) : [""]);
     this.ray.quaternion.setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...state.incident));
     this.drawRings(scale);
     this.legend.draw(state, scale);
@@ -81,7 +88,7 @@ export class Lobes implements View {
     this.rings.forEach(({ line, label }, k) => {
       const tick = ticks[k];
       line.visible = tick !== undefined;
-      label.element.textContent = tick === undefined ? "" : short(tick);
+      label.text = tick === undefined ? "" : short(tick);
       const radius = scale.place(tick ?? 0);
       line.scale.setScalar(radius || 1);
       label.place.set(radius * Math.cos(-0.6), radius * Math.sin(-0.6), 0);
@@ -136,12 +143,12 @@ export class Lobes implements View {
   /** Whether the pointer is on the ball, or nearly: fingers are wide. */
   private onBall(event: PointerEvent): boolean {
     const centre = this.ball.getWorldPosition(new Vector3());
-    return this.space.under(event).ray.distanceToPoint(centre) < (event.pointerType === "touch" ? 0.16 : 0.09);
+    return this.space.under(event).caster.ray.distanceToPoint(centre) < (event.pointerType === "touch" ? 0.16 : 0.09);
   }
 
   private point(event: PointerEvent): void {
     this.space.canvas.classList.toggle("grab", this.onBall(event));
-    const hit = this.space.hit(event, this.lobes.map(({ mesh }) => mesh).filter(({ visible }) => visible));
+    const hit = this.space.hit(event, (pane) => this.lobes[pane]!.map(({ mesh }) => mesh).filter(({ visible }) => visible));
     const exitant = hit && hit.length() > 1e-4 ? hit.normalize() : null;
     this.set({ pointedAt: exitant && [exitant.x, exitant.y, exitant.z] });
   }
@@ -149,7 +156,7 @@ export class Lobes implements View {
   /** To where the pointer's ray comes nearest to the dome that the ball is on. */
   private drag(event: PointerEvent): void {
     if (!this.state) return;
-    const { ray } = this.space.under(event);
+    const { ray } = this.space.under(event).caster;
     const front = this.state.incident[2] > 0;
     const near = ray.at(Math.max(0, -ray.origin.dot(ray.direction)), new Vector3());
     const rest = REACH * REACH - near.lengthSq();

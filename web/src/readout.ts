@@ -22,5 +22,5 @@ export function read(place: HTMLElement, { first, compared, band, incident: show
     ? `${cell.value.toPrecision(5)} sr⁻¹ ${where}; cell of ${cell.projected_solid_angle.toPrecision(4)} sr, projected`
     : `nothing goes ${where}`;
   const other = compared?.cell(compared.band(band), incident, pointedAt);
-  place.textContent = compared ? `${value}\n${compared.name}: ${(other?.value ?? 0).toPrecision(5)} sr⁻¹` : value;
+  place.textContent = compared ? `${first.name}: ${value}\n${compared.name}: ${(other?.value ?? 0).toPrecision(5)} sr⁻¹` : value;
 }

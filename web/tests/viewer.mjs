@@ -60,6 +60,14 @@ async function twoFilesOfADropAreCompared(page) {
   await show(page, join(data, "pyradiance/blinds.xml"), join(data, "frads/ec60.xml"));
   assert.equal(await page.locator("#first").inputValue(), "blinds.xml");
   assert.equal(await page.locator("#compared").inputValue(), "ec60.xml");
+  await choose(page, "Lobes");
+  assert.deepEqual((await page.locator("#lobes .title").allTextContents()).sort(), ["blinds.xml", "ec60.xml"], "lobes beside each other");
+  // Straight light, which the second has: over the horizon, left of the axis.
+  const { incident, exitant } = await readAt(page, "#lobes .space", 0.73, 0.28);
+  const [ec60] = expectedValues(join(data, "frads/ec60.xml"), "Visible", [{ incident, exitant }]);
+  const told = await page.locator("#readout").textContent();
+  assert.ok(ec60 > 0 && told.includes(`ec60.xml: ${ec60.toPrecision(5)} sr⁻¹`), told);
+  await keep(page, "lobes-beside");
 }
 
 async function turnsTheDome(page) {
