@@ -75,7 +75,7 @@ export class Controls {
 /** Options as they are now; untouched while they are the same, since an open list closes when it changes. */
 function fill(select: HTMLSelectElement, values: string[], chosen: string | undefined, empty = ""): void {
   if (values.join("\n") !== [...select.options].map(({ value }) => value).join("\n") || select.options.length === 0) {
-    select.replaceChildren(...values.map((value) => new Option(value.replace("_", " ") || empty, value)));
+    select.replaceChildren(...values.map((value) => new Option(value.replace(/^(reflection|transmission)_/, "$1 ") || empty, value)));
   }
   select.value = chosen ?? "";
   select.disabled = values.length < 2;

@@ -144,10 +144,15 @@ let compiled: Promise<WebAssembly.Module> | undefined;
 
 /** An open file. */
 export class Opened {
+  /** Whether standard errors are known. */
+  hasErrors = false;
+
   private constructor(
     private readonly core: Exports,
     readonly name: string,
     readonly summary: Summary,
+    /** Of the file [byte]. */
+    readonly size: number,
   ) {}
 
   /** Opens the bytes of a file, XML or .bsdft. Damaged files are read as far as they can be; the summary's notes say what was done. */
@@ -157,7 +162,7 @@ export class Opened {
     const core = instance.exports as unknown as Exports;
     const told = JSON.parse(text(core, core.bsdftree_open(write(core, bytes), 1))) as Summary | { error: string };
     if ("error" in told) throw new Refused(told.error);
-    return new Opened(core, name, told);
+    return new Opened(core, name, told, bytes.length);
   }
 
   /** The number of a band, −1 if there is none of that name: then all that is asked of it is empty. */
@@ -248,8 +253,8 @@ export class Opened {
 
   /** Takes a file for the standard errors of this one, so that cells tell theirs; false if it has none, or those of other trees. */
   takeErrors(errors: Opened): boolean {
-    const areErrors = errors.summary.has_errors && this.openBeside(errors);
-    if (!areErrors) this.core.bsdftree_open_beside(0);
+    const areErrors = errors.summary.has_errors && errors !== this && this.openBeside(errors);
+    if (areErrors) this.hasErrors = true;
     return areErrors;
   }
 

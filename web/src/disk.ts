@@ -21,10 +21,11 @@ export class Disk {
   private pointedAt: Direction | null = null;
 
   constructor(
-    private readonly id: "reflection" | "transmission",
+    private readonly kind: "reflection" | "transmission",
     private readonly pointed: (exitant: Direction | null) => void,
+    id = "",
   ) {
-    this.canvas = make("canvas", { id, tabIndex: 0 });
+    this.canvas = make("canvas", { tabIndex: 0, ...(id && { id }) });
     const over = svg("svg", { viewBox: "-1 -1 2 2", "aria-hidden": "true" });
     over.append(...rings(), this.mirror, this.needle, this.cursor);
     const disk = make("div", { className: "disk" }, this.canvas);
@@ -41,7 +42,7 @@ export class Disk {
 
   draw(front: boolean, picture: ImageData, edges: Uint8Array | null, isBlack: boolean): void {
     this.front = front;
-    const verb = this.id === "reflection" ? "reflected" : "transmitted";
+    const verb = this.kind === "reflection" ? "reflected" : "transmitted";
     this.caption.textContent = `${verb}, ${front ? "into the room (+Z)" : "to outside (−Z)"}${isBlack ? ": nothing" : ""}`;
     this.canvas.setAttribute("aria-label", `${this.caption.textContent}; arrow keys move a cursor`);
     if (edges) mark(picture, edges);

@@ -21,7 +21,15 @@ export class Loader {
     if (bytes.length > LARGE) await new Promise((painted) => setTimeout(painted, 30));
     const begun = performance.now();
     try {
-      this.add(await Opened.open(name, bytes), place);
+      const opened = await Opened.open(name, bytes);
+      const known = this.store.state.files.find((file) => file.takeErrors(opened));
+      if (known) {
+        // To draw what is known now.
+        this.store.set({});
+        this.say(`${name}: standard errors of ${known.name}`);
+        return true;
+      }
+      this.add(opened, place);
     } catch (error) {
       this.complain(error instanceof Refused ? `${name}: ${error.message}` : `${name} cannot be read: ${String(error)}`);
       return false;
@@ -69,7 +77,8 @@ export class Loader {
   private add(opened: Opened, place: number): void {
     const { files, first, compared, incident } = this.store.state;
     const all = [...files.filter(({ name }) => name !== opened.name), opened];
-    if (place > 0) {
+    const errors = files.find((file) => opened.takeErrors(file));
+    if (place > 0 && errors !== first) {
       const newer = first?.name === opened.name ? { first: opened } : {};
       this.store.set({ files: all, held: null, ...newer, ...(place === 1 || compared?.name === opened.name ? { compared: opened } : {}) });
       return;

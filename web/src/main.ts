@@ -1,6 +1,7 @@
 // The page: views in the order of their tabs, one state for all of them.
 
 import { openWhatCameAlong } from "./arrive";
+import { Compare } from "./compare";
 import { Controls } from "./controls";
 import { found } from "./dom";
 import { Dome } from "./dome";
@@ -13,6 +14,7 @@ import { read } from "./readout";
 import { Slice } from "./slice";
 import { type State, Store } from "./state";
 import { FileView } from "./summary";
+import { TreeView } from "./tree";
 import { Totals } from "./totals";
 import { Tabs, type View } from "./view";
 
@@ -23,6 +25,8 @@ const views: View[] = [
   new Slice(store.set),
   new Totals(store.set),
   new Mosaic(store.set),
+  new TreeView(store.set),
+  new Compare(store.set),
   new FileView(),
 ];
 // The direction under the pointer is one of the view that was left.

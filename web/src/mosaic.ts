@@ -9,7 +9,7 @@ import { make } from "./dom";
 import { Legend } from "./legend";
 import { type Frame, Pan, type Point } from "./pan";
 import { Scale, VIRIDIS_PIXELS } from "./scale";
-import type { State } from "./state";
+import { showsTheSame, type State } from "./state";
 import type { Set, View } from "./view";
 
 /** Tiles along an axis that are shown at first: as fine as most trees; Klems patches are no finer than 2^5. */
@@ -67,7 +67,7 @@ export class Mosaic implements View {
       return element;
     };
     const redraw = (): void => {
-      if (this.state) this.draw(this.state);
+      if (this.state) this.update(this.state);
     };
     this.tiles.addEventListener("change", redraw);
     this.quantity.addEventListener("change", redraw);
@@ -91,6 +91,11 @@ export class Mosaic implements View {
   }
 
   draw(state: State): void {
+    if (!showsTheSame(this.state, state)) this.update(state);
+    this.state = state;
+  }
+
+  private update(state: State): void {
     const fresh = this.state === null || state.first !== this.state.first || state.part !== this.state.part;
     this.state = state;
     const file = state.first!;
@@ -157,8 +162,9 @@ export class Mosaic implements View {
     this.legend.element.hidden = shown.depth;
     this.bar.element.hidden = !shown.depth;
     if (shown.depth) this.bar.draw(VIRIDIS_PIXELS, depths.labels(), "cells along each axis");
-    else this.legend.draw(state, scale);
+    else this.legend.draw({ ...state, natural: false }, scale);
     this.element.dataset["highest"] = String(scale.highest);
+    this.element.dataset["decades"] = String(scale.decades);
   }
 
   /** Paints what is in sight, unless it is painted. */

@@ -23,7 +23,7 @@ export class PolarMaps implements View {
 
   constructor(set: Set) {
     const pointed = (pointedAt: Direction | null): void => set({ pointedAt });
-    this.disks = [new Disk("reflection", pointed), new Disk("transmission", pointed)];
+    this.disks = [new Disk("reflection", pointed, "reflection"), new Disk("transmission", pointed, "transmission")];
     this.legend = new Legend(set);
     this.element.append(make("div", { className: "maps" }, ...this.disks.map(({ element }) => element)), this.legend.element);
     new ResizeObserver(() => this.drawn && !this.element.hidden && this.draw(this.drawn)).observe(this.element);

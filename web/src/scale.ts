@@ -5,16 +5,20 @@ import type { State } from "./state";
 
 const VIRIDIS = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725];
 
-/** 256 pixels of RGBA, little-endian. */
-export const VIRIDIS_PIXELS = Uint32Array.from({ length: 256 }, (_, k) => {
-  const place = (k / 255) * (VIRIDIS.length - 1);
-  const below = Math.min(Math.floor(place), VIRIDIS.length - 2);
-  const channel = (shift: number): number => {
-    const [a, b] = [VIRIDIS[below]! >> shift, VIRIDIS[below + 1]! >> shift].map((c) => c & 255) as [number, number];
-    return Math.round(a + (b - a) * (place - below));
-  };
-  return (255 << 24) | (channel(0) << 16) | (channel(8) << 8) | channel(16);
-});
+/** 256 pixels of RGBA, little-endian, from some colours and straight lines between. */
+export function pixelsOf(colours: readonly number[]): Uint32Array {
+  return Uint32Array.from({ length: 256 }, (_, k) => {
+    const place = (k / 255) * (colours.length - 1);
+    const below = Math.min(Math.floor(place), colours.length - 2);
+    const channel = (shift: number): number => {
+      const [a, b] = [colours[below]! >> shift, colours[below + 1]! >> shift].map((c) => c & 255) as [number, number];
+      return Math.round(a + (b - a) * (place - below));
+    };
+    return (255 << 24) | (channel(0) << 16) | (channel(8) << 8) | channel(16);
+  });
+}
+
+export const VIRIDIS_PIXELS = pixelsOf(VIRIDIS);
 
 export class Scale {
   /** Up to `highest` [1/sr], which is positive, over `decades` powers of ten; none: linear. */

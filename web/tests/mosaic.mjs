@@ -47,8 +47,8 @@ async function zoomsToACell(page, path) {
     const told = await readAt(page, "#mosaic .plane canvas", x, y);
     const [expected] = expectedValues(path, await page.locator("#band").inputValue(), [told]);
     assert.equal(Number(told.value), expected, `${basename(path)}, one cell`);
-    const highest = Number(await page.locator("#mosaic").getAttribute("data-highest"));
-    const place = expected > highest / 1e4 ? Math.min(1, 1 + Math.log10(expected / highest) / 4) : 0;
+    const [highest, decades] = await page.locator("#mosaic").evaluate(({ dataset }) => [Number(dataset.highest), Number(dataset.decades)]);
+    const place = expected > highest / 10 ** decades ? Math.min(1, 1 + Math.log10(expected / highest) / decades) : 0;
     const seen = await page.locator("#mosaic .plane canvas").evaluate((canvas, [x, y]) => {
       const { data } = canvas.getContext("2d").getImageData(Math.floor(x * canvas.width) - 1, Math.floor(y * canvas.height) - 1, 3, 3);
       const bar = document.querySelector("#mosaic .legend .bar canvas");
