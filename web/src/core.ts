@@ -132,7 +132,7 @@ interface Exports {
   bsdftree_statistics(band: number, part: number): number;
   bsdftree_image(): number;
   bsdftree_forget(): void;
-  bsdftree_open_beside(n: number): number;
+  bsdftree_open_beside(n: number, onlyErrors: number): number;
   bsdftree_differences(band: number): number;
   bsdftree_errors_by_flux(band: number): number;
 }
@@ -247,13 +247,13 @@ export class Opened {
   /** How far the components of another file are from this one's; empty if it has no band of that name. In an instance of its own, that holds both while it counts. */
   async differences(other: Opened, band: number): Promise<Difference[]> {
     const both = await Opened.open(this.name, this.image());
-    both.openBeside(other);
+    both.openBeside(other, false);
     return JSON.parse(text(both.core, both.core.bsdftree_differences(band)) || "[]") as Difference[];
   }
 
   /** Takes a file for the standard errors of this one, so that cells tell theirs; false if it has none, or those of other trees. */
   takeErrors(errors: Opened): boolean {
-    const areErrors = errors.summary.has_errors && errors !== this && this.openBeside(errors);
+    const areErrors = errors.summary.has_errors && errors !== this && this.openBeside(errors, true);
     if (areErrors) this.hasErrors = true;
     return areErrors;
   }
@@ -270,8 +270,8 @@ export class Opened {
     return bytes;
   }
 
-  private openBeside(other: Opened): boolean {
-    const told = JSON.parse(text(this.core, this.core.bsdftree_open_beside(write(this.core, other.image())))) as { are_errors: boolean } | { error: string };
+  private openBeside(other: Opened, onlyErrors: boolean): boolean {
+    const told = JSON.parse(text(this.core, this.core.bsdftree_open_beside(write(this.core, other.image()), Number(onlyErrors)))) as { are_errors: boolean } | { error: string };
     if ("error" in told) throw new Refused(told.error);
     return told.are_errors;
   }

@@ -27,8 +27,7 @@ export function differenceScale(decades: number, largest: number): Diverging {
     return Math.min(1, SMALL + (1 - SMALL) * (Math.log10(size / low) / decades));
   };
   const place = (value: number): number => 0.5 + 0.5 * Math.sign(value) * side(Math.abs(value));
-  const inner = kind === "linear" ? largest / 2 : largest / 100;
-  const labels = [-largest, -inner, 0, inner, largest].map((value): [number, string] => [place(value), signed(Number(value.toPrecision(2)))]);
+  const labels = [-largest, 0, largest].map((value): [number, string] => [place(value), signed(Number(value.toPrecision(2)))]);
   return { place, labels };
 }
 

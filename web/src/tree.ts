@@ -89,7 +89,7 @@ export class TreeView implements View {
       isLog: false,
     });
     const all = component.n_values;
-    const black = histogram.black > 0 ? `; ${(100 * histogram.black).toFixed(1)} % of ${what} are 0` : "";
+    const black = histogram.black > 5e-4 ? `; ${(100 * histogram.black).toFixed(1)} % of ${what} are 0` : "";
     values.draw({
       title: "Values",
       series: [

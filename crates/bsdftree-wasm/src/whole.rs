@@ -105,20 +105,20 @@ pub extern "C" fn bsdftree_forget() {
     with(|instance| instance.pixels = Vec::new());
 }
 
-/// Reads the file whose `n` bytes were written where [`crate::bsdftree_reserve`] said, to be held against the one that is open; no bytes: nothing is any
-/// more. The text says whether it has the standard errors of the open one, `{"are_errors": …}`, or `{"error": …}`.
+/// Reads the file whose `n` bytes were written where [`crate::bsdftree_reserve`] said, to be held against the one that is open. The text says whether it has
+/// the standard errors of that, `{"are_errors": …}`, or `{"error": …}`. `only_errors`: what it is not is left as it was.
 #[unsafe(no_mangle)]
-pub extern "C" fn bsdftree_open_beside(n: usize) -> usize {
+pub extern "C" fn bsdftree_open_beside(n: usize, only_errors: u32) -> usize {
     with(|instance| {
         let input = std::mem::take(&mut instance.input);
         let bytes = bytemuck::cast_slice::<u64, u8>(&input);
-        instance.beside = None;
-        let told = match (n, file::read_bytes(&bytes[..n.min(bytes.len())], Strictness::Repair)) {
-            (0, _) => json!({ "are_errors": false }),
-            (_, Err(error)) => summary::refused(&error),
-            (_, Ok((bsdf, _))) => {
+        let told = match file::read_bytes(&bytes[..n.min(bytes.len())], Strictness::Repair) {
+            Err(error) => summary::refused(&error),
+            Ok((bsdf, _)) => {
                 let are_errors = beside::are_errors_of(&bsdf, &instance.bsdf);
-                instance.beside = Some(Beside { bsdf, are_errors });
+                if are_errors || only_errors == 0 {
+                    instance.beside = Some(Beside { bsdf, are_errors });
+                }
                 json!({ "are_errors": are_errors })
             }
         };
