@@ -32,7 +32,8 @@ export class Disk {
     disk.append(over);
     this.element = make("figure", {}, this.caption, make("div", { className: "square" }, disk));
     for (const kind of ["pointermove", "pointerdown"] as const) this.canvas.addEventListener(kind, (event) => pointed(this.under(event)));
-    this.canvas.addEventListener("pointerleave", () => pointed(null));
+    // A finger that is lifted has read something.
+    this.canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && pointed(null));
     this.canvas.addEventListener("keydown", (event) => this.press(event));
   }
 

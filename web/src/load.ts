@@ -48,12 +48,14 @@ export class Loader {
     this.message.textContent = text;
   }
 
-  /** Listens to the dialog and to drops anywhere on the page. */
-  listen(dialog: HTMLInputElement): void {
-    dialog.addEventListener("change", () => {
-      void this.openAll(dialog.files ?? []);
-      dialog.value = "";
-    });
+  /** Listens to dialogs and to drops anywhere on the page. */
+  listen(...dialogs: HTMLInputElement[]): void {
+    for (const dialog of dialogs) {
+      dialog.addEventListener("change", () => {
+        void this.openAll(dialog.files ?? []);
+        dialog.value = "";
+      });
+    }
     document.addEventListener("dragover", (event) => {
       event.preventDefault();
       document.body.classList.add("dragging");

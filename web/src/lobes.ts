@@ -130,7 +130,8 @@ export class Lobes implements View {
     };
     canvas.addEventListener("pointerup", release);
     canvas.addEventListener("pointercancel", release);
-    canvas.addEventListener("pointerleave", () => this.set({ pointedAt: null }));
+    // A finger that is lifted has read something.
+    canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && this.set({ pointedAt: null }));
     canvas.addEventListener("keydown", (event) => {
       // With Shift, the orbit has them.
       const incident = this.state && !event.shiftKey && stepped(this.state.incident, event.key);

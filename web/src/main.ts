@@ -37,6 +37,7 @@ const loader = new Loader(store, found("message", HTMLElement));
 
 function draw(state: State): void {
   found("page", HTMLElement).hidden = !state.first;
+  found("empty", HTMLElement).hidden = state.first !== null;
   if (!state.first) return;
   controls.draw(state);
   dome.show(state.incident);
@@ -48,6 +49,6 @@ document.addEventListener("keydown", ({ key, target, ctrlKey, metaKey, altKey })
   if (target instanceof HTMLInputElement || target instanceof HTMLSelectElement || ctrlKey || metaKey || altKey) return;
   if (key >= "1" && key <= "9") tabs.choose(Number(key) - 1);
 });
-loader.listen(found("file", HTMLInputElement));
+loader.listen(found("file", HTMLInputElement), found("first-file", HTMLInputElement));
 listenToHelp();
 void openWhatCameAlong(loader);

@@ -101,9 +101,12 @@ export class Plot {
     const { right, bottom } = this.size;
     const { from, to, step, x, y } = this.axes;
     const parts: SVGElement[] = [];
+    // Words need place.
+    const apart = this.across(from + step) - this.across(from) < 40 ? 2 * step : step;
     for (let at = from; at <= to; at += step) {
       const place = this.across(at);
-      parts.push(line("grid", place, MARGIN.top, place, bottom), words(`${at}°`.replace("-", "−"), place, bottom + 16));
+      parts.push(line("grid", place, MARGIN.top, place, bottom));
+      if ((at - from) % apart === 0) parts.push(words(`${at}°`.replace("-", "−"), place, bottom + 16));
     }
     for (const { value, text } of this.figure!.ticks) {
       const place = this.up(value);
@@ -203,7 +206,8 @@ export class Plot {
       if (event.buttons & 1) drag(event, true);
     });
     this.svg.addEventListener("pointerup", (event) => drag(event, false));
-    this.svg.addEventListener("pointerleave", () => this.move(null));
+    // A finger that is lifted has read something.
+    this.svg.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && this.move(null));
     this.element.addEventListener("keydown", (event) => this.press(event));
   }
 
