@@ -292,4 +292,5 @@ main(["view", {str(files[0])!r}, "--no-browser"])
     finally:
         process.kill()
     assert process.returncode == 0
-    assert rest == "" and said.split() == ["Ctrl-C", "ends", "it"]
+    # The signal may come before the hint.
+    assert rest == "" and said.split() in ([], ["Ctrl-C", "ends", "it"])

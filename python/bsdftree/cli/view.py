@@ -44,16 +44,12 @@ def view(files: tuple[str, ...], exported: str | None, port: int | None, no_brow
         write_view(exported, shown)
         click.echo(f"wrote {exported}", err=True)
         return
-    with Viewer(shown, port or 0) as viewer:
-        _until_interrupted(viewer, no_browser)
-
-
-def _until_interrupted(viewer: Viewer, no_browser: bool) -> None:
-    click.echo(viewer.url)
-    if not no_browser and not viewer.open():
-        click.echo("bsdftree: no browser opened; open the address by hand", err=True)
-    click.echo("Ctrl-C ends it", err=True)
     try:
-        viewer.wait()
+        with Viewer(shown, port or 0) as viewer:
+            click.echo(viewer.url)
+            if not no_browser and not viewer.open():
+                click.echo("bsdftree: no browser opened; open the address by hand", err=True)
+            click.echo("Ctrl-C ends it", err=True)
+            viewer.wait()
     except KeyboardInterrupt:
         click.echo(err=True)
