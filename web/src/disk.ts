@@ -1,5 +1,5 @@
-// One hemisphere as a disk: a picture with rings of θ, where mirrored or straight light goes, a narrow peak, and a cursor. In: a picture, the state. Out: the direction under the
-// pointer, or where arrow keys moved the cursor.
+// One hemisphere as a disk: a picture with rings of θ, where mirrored or straight light goes, a narrow peak, and a cursor. In: a picture, the
+// state. Out: the direction under the pointer, or where arrow keys moved the cursor.
 
 import type { Direction } from "./core";
 import { fromDisk } from "./directions";

@@ -1,5 +1,5 @@
-// The dome of incident directions over the device plane, drawn in parallel projection. In: a direction. Out: another, when it is dragged or moved by arrow keys. The
-// ball on the dome is where light comes from, and the arrow which way it goes.
+// The dome of incident directions over the device plane, drawn in parallel projection. In: a direction. Out: another, when it is dragged or
+// moved by arrow keys. The ball on the dome is where light comes from, and the arrow which way it goes.
 
 import type { Direction } from "./core";
 import { fromPolar, MOST_THETA_DEG, stepped, toPolar } from "./directions";

@@ -13,8 +13,8 @@ export class Loader {
     private readonly message: HTMLElement,
   ) {}
 
-  /** Opens the bytes of a file; whether they are a BSDF, else what is wrong with them is said in the message. `place` among the files that came with it: 0 is shown, 1 is compared with it, others are
-   * listed. */
+  /** Opens the bytes of a file; whether they are a BSDF, else what is wrong with them is said in the message. `place` among the files that came
+   * with it: 0 is shown, 1 is compared with it, others are listed. */
   async open(name: string, bytes: Uint8Array, place = 0): Promise<boolean> {
     this.say(`reading ${name}, ${(bytes.length / 1e6).toFixed(1)} MB …`);
     // So that it is seen, before the page stands still.

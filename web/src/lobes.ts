@@ -1,6 +1,6 @@
-// Lobes: what is reflected and transmitted as surfaces of radius f(ω) over the device plane, with the incident light. In: the state. Out: the picture, the exitant
-// direction under the pointer, and another incident direction when the ball at the end of its ray is dragged. Beside the ball, the camera orbits. The lobes of a
-// compared file are in a second pane.
+// Lobes: what is reflected and transmitted as surfaces of radius f(ω) over the device plane, with the incident light. In: the state. Out: the
+// picture, the exitant direction under the pointer, and another incident direction when the ball at the end of its ray is dragged. Beside the
+// ball, the camera orbits. The lobes of a compared file are in a second pane.
 
 import {
   AmbientLight, BufferGeometry, CircleGeometry, ConeGeometry, DirectionalLight, DoubleSide, Group, type Line, LineBasicMaterial, LineLoop, LineSegments, Mesh, MeshBasicMaterial,

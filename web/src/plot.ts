@@ -1,5 +1,5 @@
-// A plot of values over an angle, as SVG. In: curves, axes, marks. Out: the picture, and the sample under the pointer or the keyboard's cursor. Of the samples that
-// fall into one pixel the highest is drawn and read, so that nothing narrow is lost.
+// A plot of values over an angle, as SVG. In: curves, axes, marks. Out: the picture, and the sample under the pointer or the keyboard's cursor.
+// Of the samples that fall into one pixel the highest is drawn and read, so that nothing narrow is lost.
 
 import { make, svg } from "./dom";
 

@@ -1,5 +1,5 @@
-// The slice: values in the plane of the incident direction and the normal, over the exitant angle. In: the state. Out: curves, and the exitant direction under
-// the cursor. Positive angles are on the side that mirrored and straight light goes to.
+// The slice: values in the plane of the incident direction and the normal, over the exitant angle. In: the state. Out: curves, and the exitant
+// direction under the cursor. Positive angles are on the side that mirrored and straight light goes to.
 
 import type { Direction } from "./core";
 import { inPlane, toPolar } from "./directions";

@@ -1,5 +1,5 @@
-// A three-dimensional picture of what is over the device plane: renderer, camera that orbits, labels of the page that stay upright. It has one pane, or two of the
-// same camera beside each other. It is drawn when something changed, once a frame, never by itself. Z is up, and towards the room.
+// A three-dimensional picture of what is over the device plane: renderer, camera that orbits, labels of the page that stay upright. It has one
+// pane, or two of the same camera beside each other. It is drawn when something changed, once a frame, never by itself. Z is up, and towards the room.
 
 import { type Object3D, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";

@@ -1,5 +1,5 @@
-// Totals: the share of light that is reflected and transmitted into all directions, over the angle of incidence, at the present azimuth; a plot for each side that
-// light comes from. In: the state. Out: curves, and another angle of incidence when they are clicked or dragged.
+// Totals: the share of light that is reflected and transmitted into all directions, over the angle of incidence, at the present azimuth; a plot
+// for each side that light comes from. In: the state. Out: curves, and another angle of incidence when they are clicked or dragged.
 
 import type { Opened } from "./core";
 import { fromPolar, MOST_THETA_DEG, toPolar } from "./directions";

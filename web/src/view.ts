@@ -1,11 +1,12 @@
 // What a view is, and the tabs that choose one.
 //
-// The contract: a view is a class in a file of its own, made once with the store's `set` and listed in main.ts, in the order of the tabs. It makes its own
-// `element`, which fills the stage: let it not scroll at 1280 × 720, and be of use 400 pixels wide. `draw(state)` is called for each change of the state while the
-// view is visible, never twice in a frame, and with a file open (`state.first`); it must be quick while `state.moving`. A view keeps no state that others could
-// want: it calls `set({ pointedAt })` for the direction under the pointer, `set({ incident, moving })` for drags, and the page draws the read-out and the dome.
-// Values are asked of the core (core.ts), colours and legends are those of scale.ts and legend.ts, looks are in a style sheet: no inline markup or style attributes, which the
-// content security policy refuses (setting `element.style.…` is fine).
+// The contract: a view is a class in a file of its own, made once with the store's `set` and listed in main.ts, in the order of the tabs. It
+// makes its own `element`, which fills the stage: let it not scroll at 1280 × 720, and be of use 400 pixels wide. `draw(state)` is called for
+// each change of the state while the view is visible, never twice in a frame, and with a file open (`state.first`); it must be quick while
+// `state.moving`, and need draw nothing but a cursor where a state `showsTheSame`. A view keeps no state that others could want: it calls
+// `set({ pointedAt })` for the direction under the pointer, `set({ incident, moving })` for drags, and the page draws the read-out and the
+// dome. Values are asked of the core (core.ts), colours and legends are those of scale.ts and legend.ts, looks are in a style sheet: no inline
+// markup or style attributes, which the content security policy refuses (setting `element.style.…` is fine).
 
 import type { Change, State } from "./state";
 

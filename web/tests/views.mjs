@@ -17,6 +17,7 @@ await withViewer(async (viewer) => {
   await coloursAreAsSeen(page, viewer.folder);
   await needlesAreSeen(page, viewer.folder);
   await show(page, blinds);
+  await lobesAreTurnedAndLit(page);
   await keysReachEverything(page);
   for (const size of [{ width: 1280, height: 720 }, { width: 820, height: 1180 }]) await nothingScrolls(page, size);
   await touchMovesTheLight(viewer, problems);
@@ -87,6 +88,51 @@ async function aHeldScaleStays(page) {
   await page.locator(".view:not([hidden])").getByLabel("hold scale").uncheck();
   await settled(page);
   assert.notEqual(await highest(), first, "let go");
+}
+
+/** The ball moves the light, what is beside it turns the picture alone, as do keys with Shift. */
+async function lobesAreTurnedAndLit(page) {
+  await choose(page, "Lobes");
+  await page.locator("#side").selectOption("front");
+  await page.locator("#theta").fill("30");
+  await settled(page);
+  const space = page.locator("#lobes .space");
+  const picture = async () => (await space.screenshot()).toString("base64");
+  const box = await space.boundingBox();
+  const drag = async (x, y, dx, dy) => {
+    await page.mouse.move(box.x + x, box.y + y);
+    await page.mouse.down();
+    await page.mouse.move(box.x + x + dx, box.y + y + dy, { steps: 4 });
+    await page.mouse.up();
+    await settled(page);
+  };
+  const theta = async () => Number(await page.locator("#theta").inputValue());
+
+  let before = await picture();
+  await drag(40, box.height - 40, 120, 20);
+  assert.equal(await theta(), 30, "turning leaves the light");
+  assert.notEqual(await picture(), before, "the picture turns");
+  before = await picture();
+  await page.locator("#lobes .space canvas").press("Shift+ArrowLeft");
+  await settled(page);
+  assert.equal(await theta(), 30);
+  assert.notEqual(await picture(), before, "the picture turns by keys");
+  const [x, y] = await page.evaluate(topOfTheBall, await picture());
+  await drag(x, y + 8, 40, 30);
+  assert.ok(Math.abs((await theta()) - 30) > 2, `the ball at ${x}, ${y} moves the light`);
+}
+
+/** In the page: the highest pixel of the ball's colour. */
+async function topOfTheBall(base64) {
+  const bitmap = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]));
+  const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+  context.drawImage(bitmap, 0, 0);
+  const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+  for (let k = 0; k < data.length; k += 4) {
+    const [r, g, b] = data.slice(k, k + 3);
+    if (Math.abs(r - 0xe6) < 4 && Math.abs(g - 0x9f) < 4 && b < 8) return [(k / 4) % bitmap.width, Math.floor(k / 4 / bitmap.width)];
+  }
+  throw new Error("there is no ball");
 }
 
 async function keysReachEverything(page) {
