@@ -41,6 +41,11 @@ impl Cells {
         self.n() * self.n()
     }
 
+    /// How many times sixteen pairs of points are taken of cells with edges: few where there are many cells, so that a fit takes a minute.
+    fn n_moved(self) -> usize {
+        (4096 / self.n_incident()).clamp(2, MOVED.len())
+    }
+
     /// Projected solid angle of an exitant cell \[sr\].
     pub fn omega(self) -> f64 {
         std::f64::consts::PI / self.n_exitant() as f64
@@ -106,10 +111,11 @@ fn is_smooth(low: f32, high: f32, mean: f32, level: f32, rough: f32) -> bool {
 /// The means of `f(exitant cell)(incident point, exitant point)` over an incident cell with each exitant one.
 pub(crate) fn means<F: Fn(usize, usize) -> f32>(
     level: f32,
-    n: usize,
+    cells: Cells,
     row: &mut [f32],
     f: impl Fn(usize) -> F,
 ) {
+    let n = cells.n();
     let first = |(c, mean): (usize, &mut f32)| {
         let rough;
         (*mean, rough) = first_mean(level, f(c));
@@ -119,7 +125,7 @@ pub(crate) fn means<F: Fn(usize, usize) -> f32>(
     let first = row.to_vec();
     for (c, mean) in row.iter_mut().enumerate() {
         if rough[c] || beside_edge(&first, n, c, level) {
-            *mean = fine_mean(level, n, f(c));
+            *mean = fine_mean(level, cells, f(c));
         }
     }
 }
@@ -139,8 +145,8 @@ fn first_mean(level: f32, f: impl Fn(usize, usize) -> f32) -> (f32, bool) {
     (mean, !is_smooth(low, high, mean, level, ROUGH[1]))
 }
 
-/// The mean over a pair of cells, of `n` along an axis, that a few pairs of points are too few for.
-fn fine_mean(level: f32, n: usize, f: impl Fn(usize, usize) -> f32) -> f32 {
+/// The mean over a pair of cells that a few pairs of points are too few for.
+fn fine_mean(level: f32, cells: Cells, f: impl Fn(usize, usize) -> f32) -> f32 {
     /// Difference of sixteen over which all are taken: more than slopes have, less than edges.
     const ROUGH: f32 = 1.5;
     let (mut sum, mut low, mut high) = (0f32, f32::MAX, 0f32);
@@ -151,8 +157,7 @@ fn fine_mean(level: f32, n: usize, f: impl Fn(usize, usize) -> f32) -> f32 {
     if is_smooth(low, high, mean, level, ROUGH) {
         return mean;
     }
-    // Small cells need fewer: what varies within them is less.
-    let n_moved = (16 * 16 * 16 / (n * n)).clamp(2, MOVED.len());
+    let n_moved = cells.n_moved();
     let pairs = MOVED[..n_moved].iter().flat_map(|step| (0..N_POINTS).map(move |i| (i, partner(i) ^ step)));
     pairs.map(|(i, o)| f(i, o)).sum::<f32>() / (N_POINTS * n_moved) as f32
 }

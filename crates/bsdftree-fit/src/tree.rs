@@ -134,7 +134,7 @@ pub(crate) fn means<S: Values>(
         let total = cells::FOUR.map(|k| at(k).total()).iter().sum::<f64>() / cells::FOUR.len() as f64;
         let level = 0.2 * (total / std::f64::consts::PI) as f32;
         let (at, turns) = (&at, &turns);
-        cells::means(level, cells.n(), row, |c| move |i, o| at(i).value(turned(exitant[c][o], turns[i])));
+        cells::means(level, cells, row, |c| move |i, o| at(i).value(turned(exitant[c][o], turns[i])));
         done()
     })?;
     Ok(grid)
