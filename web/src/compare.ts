@@ -82,10 +82,15 @@ export class Compare implements View {
     const { known } = this;
     if (known.one === one && known.other === other && known.band === band) return;
     const asked = (this.known = { one, other, band });
-    this.table.replaceChildren(rowOf(HEAD, "th"), make("tr", {}, make("td", { colSpan: HEAD.length }, "counting …")));
+    const progress = make("td", { colSpan: HEAD.length }, "counting …");
+    this.table.replaceChildren(rowOf(HEAD, "th"), make("tr", {}, progress));
+    const told = (done: number): boolean => {
+      progress.textContent = `counting … ${Math.round(100 * done)} %`;
+      return this.known === asked;
+    };
     // After the pictures are on the screen.
     setTimeout(() => {
-      void one.differences(other, one.band(band)).then((found) => {
+      void one.differences(other, one.band(band), told).then((found) => {
         if (this.known === asked) this.table.replaceChildren(rowOf(HEAD, "th"), ...found.map(rowFor));
       });
     }, 60);

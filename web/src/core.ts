@@ -99,6 +99,9 @@ export interface ErrorByFlux {
   uncertain: number;
 }
 
+/** What a step of long counting may take. */
+const STEP_MS = 12;
+
 /** Components as the core counts them. */
 const PARTS = ["reflection_front", "reflection_back", "transmission_front", "transmission_back"];
 
@@ -133,7 +136,7 @@ interface Exports {
   bsdftree_image(): number;
   bsdftree_forget(): void;
   bsdftree_open_beside(n: number, onlyErrors: number): number;
-  bsdftree_differences(band: number): number;
+  bsdftree_differences(band: number, nPoints: number): number;
   bsdftree_errors_by_flux(band: number): number;
 }
 
@@ -244,11 +247,20 @@ export class Opened {
     return JSON.parse(text(this.core, this.core.bsdftree_statistics(band, PARTS.indexOf(part)))) as Statistics;
   }
 
-  /** How far the components of another file are from this one's; empty if it has no band of that name. In an instance of its own, that holds both while it counts. */
-  async differences(other: Opened, band: number): Promise<Difference[]> {
+  /** How far the components of another file are from this one's; empty if it has no band of that name. In an instance of its own, that holds both while it counts, step by
+   * step, so that the page goes on; `told` has the part that is done, and says whether to go on. */
+  async differences(other: Opened, band: number, told: (done: number) => boolean): Promise<Difference[]> {
     const both = await Opened.open(this.name, this.image());
     both.openBeside(other, false);
-    return JSON.parse(text(both.core, both.core.bsdftree_differences(band)) || "[]") as Difference[];
+    for (let nPoints = 64; ; ) {
+      const begun = performance.now();
+      const found = text(both.core, both.core.bsdftree_differences(band, nPoints)) || '{ "rows": [] }';
+      const { done, rows } = JSON.parse(found) as { done?: number; rows?: Difference[] };
+      if (rows) return rows;
+      if (!told(done!)) return [];
+      nPoints = Math.max(16, Math.min(2 * nPoints, Math.round((nPoints * STEP_MS) / (performance.now() - begun))));
+      await new Promise((goOn) => setTimeout(goOn));
+    }
   }
 
   /** Takes a file for the standard errors of this one, so that cells tell theirs; false if it has none, or those of other trees. */

@@ -3,7 +3,7 @@
 //! In: what is open, and another file beside it. Out: JSON. Distances and totals are those that `bsdftree plot --kind compare` prints in Python; standard
 //! errors those of `bsdftree info --errors`: the same trees with a standard error in place of each leaf's value, as `bsdftree fit --errors` writes them.
 
-use bsdftree::convert::relative_l1;
+use bsdftree::convert::L1;
 use bsdftree::direction::direction_from_polar;
 use bsdftree::{Band, Bsdf, Direction, Lobes, Part, Scattering, Side, Tree};
 use serde_json::{Value, json};
@@ -26,35 +26,55 @@ const N_RINGS: usize = 32;
 /// Azimuths, between the symmetry planes of most devices.
 const N_PHI: usize = 16;
 
-/// How far components of `other` are from those of `one`, of all that either scatters.
-pub fn differences(one: &Band, other: &Band) -> Value {
-    let parts = Part::ALL.into_iter().filter(|&part| scatters(one, part) || scatters(other, part));
-    parts.map(|part| difference(one, other, part)).collect()
+/// How far components of one band are from those of another, counted in steps, since millions of leaves take seconds.
+#[derive(Default)]
+pub struct Comparison {
+    /// Of the components that both have, as in [`Part::ALL`].
+    l1: [L1; 4],
+}
+
+impl Comparison {
+    /// Adds some points to the sums of distances; the part of all work that is done, 0 to 1.
+    pub fn proceed(&mut self, one: &Band, other: &Band, n_points: u32) -> f64 {
+        let both = |part: Part| Some((one.component(part)?, other.component(part)?));
+        let pairs: Vec<_> = Part::ALL.into_iter().filter_map(|part| Some((part, both(part)?))).collect();
+        let undone = pairs.iter().find(|(part, _)| self.l1[*part as usize].done() < 1.0);
+        if let Some((part, (a, b))) = undone {
+            self.l1[*part as usize].add(&a.luminance, &b.luminance, n_points);
+        }
+        let done: f64 = pairs.iter().map(|(part, _)| self.l1[*part as usize].done()).sum();
+        if pairs.is_empty() { 1.0 } else { done / pairs.len() as f64 }
+    }
+
+    /// All that either band scatters, with what has been counted.
+    pub fn differences(&self, one: &Band, other: &Band) -> Value {
+        let parts = Part::ALL.into_iter().filter(|&part| scatters(one, part) || scatters(other, part));
+        parts.map(|part| self.difference(one, other, part)).collect()
+    }
+
+    fn difference(&self, one: &Band, other: &Band, part: Part) -> Value {
+        let l1 = one.component(part).and(other.component(part)).map(|_| self.l1[part as usize].relative());
+        let by_direction = [one, other].map(|band| totals(band, part, &THETA_DEG));
+        let apart: Vec<f64> = by_direction[1].iter().zip(&by_direction[0]).map(|(b, a)| b - a).collect();
+        let worst = (0..apart.len()).fold(0, |k, j| if apart[j].abs() > apart[k].abs() { j } else { k });
+        let squares: f64 = apart.iter().map(|d| d * d).sum();
+        let [total_one, total_other] = [one, other].map(|band| diffuse(band, part));
+        json!({
+            "part": part.key(),
+            // From a black one it is infinite: there is no such number in JSON.
+            "relative_l1": l1.filter(|l1| l1.is_finite()),
+            "totals": [total_one, total_other],
+            "rms_total": (squares / apart.len() as f64).sqrt(),
+            "worst_total": apart[worst],
+            "worst_theta_deg": THETA_DEG[worst / N_PHI],
+            "worst_phi_deg": phi_deg(worst % N_PHI),
+        })
+    }
 }
 
 /// Whether there is such a component, if only as the other one reversed.
 fn scatters(band: &Band, part: Part) -> bool {
     band.answering(part.incident_side(), part.exitant_side()).is_some()
-}
-
-fn difference(one: &Band, other: &Band, part: Part) -> Value {
-    let l1 =
-        one.component(part).zip(other.component(part)).map(|(a, b)| relative_l1(&a.luminance, &b.luminance));
-    let by_direction = [one, other].map(|band| totals(band, part, &THETA_DEG));
-    let apart: Vec<f64> = by_direction[1].iter().zip(&by_direction[0]).map(|(b, a)| b - a).collect();
-    let worst = (0..apart.len()).fold(0, |k, j| if apart[j].abs() > apart[k].abs() { j } else { k });
-    let squares: f64 = apart.iter().map(|d| d * d).sum();
-    let [total_one, total_other] = [one, other].map(|band| diffuse(band, part));
-    json!({
-        "part": part.key(),
-        // Of a black one it is infinite: there is no such number in JSON.
-        "relative_l1": l1.filter(|l1| l1.is_finite()),
-        "totals": [total_one, total_other],
-        "rms_total": (squares / apart.len() as f64).sqrt(),
-        "worst_total": apart[worst],
-        "worst_theta_deg": THETA_DEG[worst / N_PHI],
-        "worst_phi_deg": phi_deg(worst % N_PHI),
-    })
 }
 
 fn phi_deg(k: usize) -> f64 {
@@ -152,6 +172,12 @@ mod tests {
         let tree = Tree::from_grid(rank, &values).unwrap();
         bsdf.band_mut("Visible").insert(Part::TransmissionBack, Component::grey(tree.into()));
         bsdf
+    }
+
+    fn differences(one: &Band, other: &Band) -> Value {
+        let mut comparison = Comparison::default();
+        while comparison.proceed(one, other, 10_000) < 1.0 {}
+        comparison.differences(one, other)
     }
 
     #[test]

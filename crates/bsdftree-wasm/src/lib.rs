@@ -41,6 +41,8 @@ struct Beside {
     bsdf: Bsdf,
     /// Whether its values are the standard errors of the other's.
     are_errors: bool,
+    /// How far it is, as far as that was counted.
+    comparison: beside::Comparison,
 }
 
 impl Instance {

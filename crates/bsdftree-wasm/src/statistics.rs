@@ -29,26 +29,24 @@ pub fn statistics(function: &Scattering) -> Value {
             format!("{lower}–{upper}°")
         })),
     };
-    let mut range = [f32::INFINITY, 0.0f32];
+    let mut histogram = Histogram::default();
     each_cell(function, |cell| {
         let group = &mut groups[cell.group];
         group.n_cells += 1;
         group.share += cell.share;
         group.flux += cell.share * f64::from(cell.value);
-        if cell.value > 0.0 {
-            range = [range[0].min(cell.value), range[1].max(cell.value)];
-        }
+        histogram.add(&cell);
     });
     let flux: f64 = groups.iter().map(|group| group.flux).sum();
     let light = |part: f64| if flux > 0.0 { part / flux } else { 0.0 };
-    let groups: Vec<Value> = groups
+    let told: Vec<Value> = groups
         .iter()
         .map(|g| json!({ "label": g.label, "n_cells": g.n_cells, "share": g.share, "light": light(g.flux) }))
         .collect();
     json!({
         "kind": match function { Scattering::Tree(_) => "depth", Scattering::Matrix(_) => "exitant ring" },
-        "groups": groups,
-        "histogram": histogram(function, range, light),
+        "groups": told,
+        "histogram": histogram.told(light),
     })
 }
 
@@ -56,35 +54,57 @@ fn labelled(labels: impl Iterator<Item = String>) -> Vec<Group> {
     labels.map(|label| Group { label, ..Group::default() }).collect()
 }
 
-/// How many cells and how much light there is of which values: columns of equal ratio between two powers of ten.
-fn histogram(function: &Scattering, [smallest, largest]: [f32; 2], light: impl Fn(f64) -> f64) -> Value {
-    let [mut first, mut last] = [0, 1];
-    if largest > 0.0 {
-        let decade = |value: f32| f64::from(value).log10();
-        last = decade(largest).ceil() as i32;
-        first = (decade(smallest).floor() as i32).max(last - MOST_DECADES).min(last - 1);
+/// How many cells and how much light there is of which values: columns of equal ratio.
+struct Histogram {
+    /// For all values that an `f32` has, from [`FIRST_DECADE`] up.
+    columns: Vec<(u64, f64)>,
+    n_black: u64,
+}
+
+/// Of the smallest `f32`, and how many there are up to the largest.
+const FIRST_DECADE: i32 = -45;
+const N_DECADES: i32 = 84;
+
+impl Default for Histogram {
+    fn default() -> Histogram {
+        Histogram { columns: vec![(0, 0.0); (N_DECADES * BINS_OF_DECADE) as usize], n_black: 0 }
     }
-    let n = ((last - first) * BINS_OF_DECADE) as usize;
-    let (mut n_cells, mut flux, mut n_black, mut n_all) = (vec![0u64; n], vec![0.0; n], 0u64, 0u64);
-    each_cell(function, |cell| {
-        n_all += 1;
+}
+
+impl Histogram {
+    fn add(&mut self, cell: &Cell) {
         if cell.value > 0.0 {
-            let place = (f64::from(cell.value).log10() - f64::from(first)) * f64::from(BINS_OF_DECADE);
-            let k = (place.max(0.0) as usize).min(n - 1);
-            n_cells[k] += 1;
-            flux[k] += cell.share * f64::from(cell.value);
+            let value = f64::from(cell.value);
+            let place = (value.log10() - f64::from(FIRST_DECADE)) * f64::from(BINS_OF_DECADE);
+            let column = &mut self.columns[place as usize];
+            *column = (column.0 + 1, column.1 + cell.share * value);
         } else {
-            n_black += 1;
+            self.n_black += 1;
         }
-    });
-    let light: Vec<f64> = flux.into_iter().map(light).collect();
-    json!({
-        "first_decade": first,
-        "last_decade": last,
-        "n_cells": n_cells,
-        "light": light,
-        "black": n_black as f64 / n_all as f64,
-    })
+    }
+
+    /// Between two powers of ten, at most [`MOST_DECADES`] apart: what is smaller counts in the first column.
+    fn told(self, light: impl Fn(f64) -> f64) -> Value {
+        let is_met = |(n, _): &(u64, f64)| *n > 0;
+        let n_all = self.n_black + self.columns.iter().map(|(n, _)| n).sum::<u64>();
+        let decade = |column: usize| column as i32 / BINS_OF_DECADE;
+        // From 1 to 10 if all is black.
+        let last = self.columns.iter().rposition(is_met).map_or(1 - FIRST_DECADE, |k| decade(k) + 1);
+        let first = self.columns.iter().position(is_met).map_or(last - 1, decade).max(last - MOST_DECADES);
+        let (below, shown) =
+            self.columns[..(last * BINS_OF_DECADE) as usize].split_at((first * BINS_OF_DECADE) as usize);
+        let mut shown = shown.to_vec();
+        for (n, flux) in below {
+            shown[0] = (shown[0].0 + n, shown[0].1 + flux);
+        }
+        json!({
+            "first_decade": first + FIRST_DECADE,
+            "last_decade": last + FIRST_DECADE,
+            "n_cells": shown.iter().map(|(n, _)| *n).collect::<Vec<u64>>(),
+            "light": shown.iter().map(|(_, flux)| light(*flux)).collect::<Vec<f64>>(),
+            "black": self.n_black as f64 / n_all as f64,
+        })
+    }
 }
 
 struct Cell {

@@ -9,6 +9,7 @@ use bsdftree::xml::Strictness;
 use bsdftree::{Band, Part, Scattering};
 use serde_json::json;
 
+use crate::beside::Comparison;
 use crate::mosaic::{Layout, Quantity, Window};
 use crate::{Beside, Instance, beside, counted, mosaic, statistics, summary, told, with};
 
@@ -117,7 +118,7 @@ pub extern "C" fn bsdftree_open_beside(n: usize, only_errors: u32) -> usize {
             Ok((bsdf, _)) => {
                 let are_errors = beside::are_errors_of(&bsdf, &instance.bsdf);
                 if are_errors || only_errors == 0 {
-                    instance.beside = Some(Beside { bsdf, are_errors });
+                    instance.beside = Some(Beside { bsdf, are_errors, comparison: Comparison::default() });
                 }
                 json!({ "are_errors": are_errors })
             }
@@ -127,13 +128,23 @@ pub extern "C" fn bsdftree_open_beside(n: usize, only_errors: u32) -> usize {
     })
 }
 
-/// How far the file beside is from the open one, as text; empty if it has no such band. See [`beside::differences`].
+/// How far the file beside is from the open one, as text; empty if it has no such band. Counted in steps: `{"done": …}` until all is, then `{"rows": …}`; see
+/// [`beside::Comparison`]. All steps are of one band.
 #[unsafe(no_mangle)]
-pub extern "C" fn bsdftree_differences(band: usize) -> usize {
-    told(|instance| {
-        let band = instance.bsdf.bands.get(band)?;
-        let other = instance.beside.as_ref()?.bsdf.band(&band.name)?;
-        Some(beside::differences(band, other).to_string())
+pub extern "C" fn bsdftree_differences(band: usize, n_points: u32) -> usize {
+    with(|instance| {
+        let bsdf = &instance.bsdf;
+        let found = instance.beside.as_mut().and_then(|beside| {
+            let band = bsdf.bands.get(band)?;
+            let other = beside.bsdf.band(&band.name)?;
+            let done = beside.comparison.proceed(band, other, n_points);
+            Some(match done < 1.0 {
+                true => json!({ "done": done }),
+                false => json!({ "rows": beside.comparison.differences(band, other) }),
+            })
+        });
+        instance.text = found.map(|found| found.to_string()).unwrap_or_default();
+        instance.text.len()
     })
 }
 

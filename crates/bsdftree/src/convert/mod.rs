@@ -30,7 +30,7 @@ use std::sync::Arc;
 use thiserror::Error;
 
 pub use absorptance::{Absorptance, layer_absorptances};
-pub use distance::relative_l1;
+pub use distance::{L1, relative_l1};
 pub use function::FunctionError;
 pub(crate) use grow::squared_radii;
 pub use merge::merge;
