@@ -21,6 +21,11 @@ impl Measures {
         Measures { means, errors, n_links: n_links.into() }
     }
 
+    /// The same with other errors.
+    pub fn with_errors(&self, errors: Vec<f32>) -> Measures {
+        Measures { means: self.means.clone(), errors, n_links: self.n_links.clone() }
+    }
+
     /// How many nodes there are.
     pub fn n_nodes(&self) -> usize {
         self.errors.len()

@@ -12,6 +12,7 @@ mod grid;
 mod noise;
 mod prune;
 mod totals;
+mod surcharge;
 mod balance;
 mod whole;
 
@@ -55,7 +56,8 @@ pub struct Goal {
     /// Most of |H_f − H_g| / max(H_f, [`LEAST_TOTAL`]), H being the directional-hemispherical totals of any finest incident cell.
     pub total: Option<f64>,
     /// To what leaves that are children of one node bring `total` by giving light to each other, as far as they can: then the light over
-    /// every node is kept, but not over each of its leaves. Bounds on other errors are kept.
+    /// every node is kept, but not over each of its leaves. Bounds on other errors are kept. Of trees of a number of leaves, one is taken
+    /// whose totals are near to that before.
     pub balance: Option<f64>,
     /// Most leaves.
     pub n_leaves: Option<usize>,
@@ -65,6 +67,9 @@ pub struct Goal {
 
 /// Totals below are not the measure of their errors, but this is.
 pub const LEAST_TOTAL: f64 = 0.1;
+
+/// How many times `balance` totals may be off before leaves give light to each other, which costs less error then.
+const SHARE_OF_CUTS: f64 = 2.0;
 
 /// How far a tree is from the one it was made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -214,6 +219,7 @@ fn is_part(whole: &Arena, reduced: &Arena, slots: [Slot; 2]) -> bool {
 struct Reduction<S> {
     source: S,
     measures: Measures,
+    norm: Norm,
     /// What errors are multiplied by, so that they are numbers of 32 bits whatever the values are.
     scale: f64,
 }
@@ -223,16 +229,23 @@ impl<S: Source> Reduction<S> {
         let largest = source.whole().largest;
         let scale = if largest > 0.0 { largest.recip() } else { 1.0 };
         let measures = source.measures(norm, scale);
-        Reduction { source, measures, scale: norm.of(scale) }
+        Reduction { source, measures, norm, scale: norm.of(scale) }
     }
 
     fn best(&self, goal: &Goal) -> Result<(Tree, Loss), ReduceError> {
         let Goal { l1, rms, total, n_leaves, .. } = *goal;
         let (tree, loss) = match (l1.or(rms).or(total), n_leaves) {
             (None, Some(n)) => {
-                let [many, few] = boundary(&self.measures, self.source.rank(), |cost| cost.n_leaves > n);
-                let takes = |_, with: Cost| with.n_leaves <= n;
-                self.result(between(&self.measures, &self.source, [&few, &many], takes), None)
+                let cheapest = self.of_leaves(&self.measures, n);
+                match goal.balance {
+                    Some(bound) => {
+                        let cheapest = self.tree(&cheapest.is_cut);
+                        let tree = self.with_surcharges(cheapest, n, SHARE_OF_CUTS * bound);
+                        let loss = loss(&self.source, tree.arena());
+                        (tree, loss)
+                    }
+                    None => self.result(cheapest, None),
+                }
             }
             _ => self.bounded(goal),
         };
@@ -246,6 +259,12 @@ impl<S: Source> Reduction<S> {
             }
             _ => Ok((tree, loss)),
         }
+    }
+
+    /// The cheapest tree of at most so many leaves.
+    fn of_leaves(&self, measures: &Measures, n: usize) -> Pruning {
+        let [many, few] = boundary(measures, self.source.rank(), |cost| cost.n_leaves > n);
+        between(measures, &self.source, [&few, &many], |_, with: Cost| with.n_leaves <= n)
     }
 
     /// A tree whose leaves gave light to each other, if that keeps what the goal wants.

@@ -18,8 +18,7 @@ pub(super) fn kept(
     bound: f64,
 ) -> bool {
     let totals = source.totals();
-    let mut differences: Vec<f64> =
-        reduced_totals(source, left).zip(&totals).map(|(left, total)| left - total).collect();
+    let mut differences = Differences::new(source, left).off;
     let guard = Guard { source, means, is_cut, side: 1 << source.log2_res(), totals };
     let mut any = false;
     loop {
@@ -44,8 +43,39 @@ pub(super) fn kept(
     }
 }
 
+/// How far totals of a tree with branches cut off are from what they were, in the finest incident cells.
+pub(super) struct Differences {
+    pub off: Vec<f64>,
+    /// What they are divided by; infinite where nobody reads.
+    pub scales: Vec<f64>,
+}
+
+impl Differences {
+    /// Of a tree that is the source with branches cut off.
+    pub fn new(source: &impl Source, reduced: &Arena) -> Differences {
+        let totals = source.totals();
+        // Of rank 3 only one half of the incident cells is read, which is all if there is one.
+        let n_read = if source.rank() == Rank::Four { totals.len() } else { (totals.len() / 2).max(1) };
+        let scale = |(k, total): (usize, &f64)| if k < n_read { total.max(LEAST_TOTAL) } else { f64::INFINITY };
+        Differences {
+            off: reduced_totals(source, reduced).zip(&totals).map(|(left, total)| left - total).collect(),
+            scales: totals.iter().enumerate().map(scale).collect(),
+        }
+    }
+
+    /// The same as parts of totals.
+    pub fn relative(&self) -> impl Iterator<Item = f64> {
+        self.off.iter().zip(&self.scales).map(|(off, scale)| off / scale)
+    }
+
+    /// The largest of these, whatever its sign.
+    pub fn worst(&self) -> f64 {
+        self.relative().fold(0.0, |worst, error| worst.max(error.abs()))
+    }
+}
+
 /// Totals of a tree with branches cut off, in the finest incident cells of what it was.
-pub(super) fn reduced_totals(source: &impl Source, reduced: &Arena) -> impl Iterator<Item = f64> {
+fn reduced_totals(source: &impl Source, reduced: &Arena) -> impl Iterator<Item = f64> {
     let (log2, shift) = (source.log2_res(), source.log2_res() - reduced.log2_res());
     let totals = Totals::new(reduced, |_, value| [value]).expect("there are fewer than of the whole tree");
     let n_cells = if source.rank() == Rank::Four { 1 << (2 * log2) } else { 1 << log2 };
@@ -61,15 +91,9 @@ fn excess(difference: f64, total: f64, bound: f64) -> f64 {
 
 /// A loss with the errors of totals.
 pub(super) fn with_totals(loss: Loss, source: &impl Source, reduced: &Arena) -> Loss {
-    let (whole, fine) = (source.totals(), 1 << source.log2_res());
-    let reduced: Vec<f64> = reduced_totals(source, reduced).collect();
-    let error = |k: usize| (reduced[k] - whole[k]).abs() / whole[k].max(LEAST_TOTAL);
-    // Of rank 3 only one half of the incident cells is read.
-    let read: Vec<usize> = match source.rank() {
-        Rank::Three => (0..(fine / 2).max(1)).collect(),
-        Rank::Four => (0..whole.len()).collect(),
-    };
-    let errors: Vec<f64> = read.iter().map(|&k| error(k)).collect();
+    let (differences, fine) = (Differences::new(source, reduced), 1 << source.log2_res());
+    let n_read = differences.scales.iter().filter(|scale| scale.is_finite()).count();
+    let errors: Vec<f64> = differences.relative().take(n_read).map(f64::abs).collect();
     let worst = (0..errors.len()).fold(0, |worst, k| if errors[k] > errors[worst] { k } else { worst });
     Loss {
         mean_total: errors.iter().sum::<f64>() / errors.len() as f64,
