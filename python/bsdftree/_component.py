@@ -131,7 +131,8 @@ class Tree:
         balance
             To what leaves of one node bring the errors of totals (those of ``total``) by giving light to each other, as
             far as they can. The light over every node then stays what it was, but a leaf is not the mean of what it
-            was; bounds are kept. Of use with ``n_leaves``: totals come several times nearer.
+            was; bounds are kept. With ``n_leaves``, branches are chosen for it too, at some cost in the chosen norm:
+            totals come several times nearer.
 
         Raises
         ------
@@ -149,7 +150,8 @@ class Tree:
         if cull_percent is not None:
             refuse_beside_cull(l1, rms, total, n_leaves, balance)
             return Tree(culled(self._core, cull_percent))
-        return Tree(_core.reduced(self._core, l1, rms, total, n_leaves, norm, balance))
+        goal = _core.Goal(l1=l1, rms=rms, total=total, n_leaves=n_leaves, norm=norm, balance=balance)
+        return Tree(_core.reduced(self._core, goal))
 
     def loss_of(self, reduced: Tree) -> Loss:
         """How far a tree is from this one, of which it has nowhere smaller leaves."""

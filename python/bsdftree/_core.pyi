@@ -210,43 +210,25 @@ def write_radiance_matrix(path: str, values: _Array, format: str) -> None: ...
 
 _Loss = tuple[float, float, float, float, tuple[float, float]]
 
-def tree_of_grid(
-    values: NDArray[np.float32],
-    rank: int,
-    strict: bool,
-    l1: float | None,
-    rms: float | None,
-    total: float | None,
-    n_leaves: int | None,
-    norm: str,
-    balance: float | None,
-) -> tuple[Tree, _Loss, str | None]: ...
+class Goal:
+    def __init__(
+        self,
+        *,
+        l1: float | None = None,
+        rms: float | None = None,
+        total: float | None = None,
+        n_leaves: int | None = None,
+        norm: str = "l1",
+        balance: float | None = None,
+    ) -> None: ...
+
+def tree_of_grid(values: NDArray[np.float32], rank: int, strict: bool, goal: Goal) -> tuple[Tree, _Loss, str | None]: ...
 def tree_of_noisy_grid(
-    values: NDArray[np.float32],
-    noise: NDArray[np.float32],
-    is_counts: bool,
-    rank: int,
-    strict: bool,
-    l1: float | None,
-    rms: float | None,
-    total: float | None,
-    n_leaves: int | None,
-    norm: str,
-    balance: float | None,
+    values: NDArray[np.float32], noise: NDArray[np.float32], is_counts: bool, rank: int, strict: bool, goal: Goal
 ) -> tuple[Tree, _Loss, str | None]: ...
-def reduced(
-    tree: Tree,
-    l1: float | None,
-    rms: float | None,
-    total: float | None,
-    n_leaves: int | None,
-    norm: str,
-    balance: float | None,
-) -> Tree: ...
-def reduced_bsdf(
-    bsdf: Bsdf, l1: float | None, rms: float | None, total: float | None, norm: str, balance: float | None
-) -> Bsdf: ...
-def reduced_bsdf_to(bsdf: Bsdf, most: int, of: str, total: float | None, norm: str, balance: float | None) -> Bsdf: ...
+def reduced(tree: Tree, goal: Goal) -> Tree: ...
+def reduced_bsdf(bsdf: Bsdf, goal: Goal) -> Bsdf: ...
+def reduced_bsdf_to(bsdf: Bsdf, most: int, of: str, goal: Goal) -> Bsdf: ...
 def all_trees(bsdf: Bsdf) -> list[Tree]: ...
 def with_trees(bsdf: Bsdf, trees: list[Tree]) -> Bsdf: ...
 def loss(whole: Tree, reduced: Tree) -> _Loss: ...

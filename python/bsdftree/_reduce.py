@@ -120,17 +120,17 @@ def tree_of_grid(
     if rank not in (3, 4) or len(set(array.shape)) != 1:
         raise ValueError(f"a grid of shape {array.shape}; expected (2^N,) * 3 or (2^N,) * 4")
     flat = np.ascontiguousarray(array).reshape(-1)
+    goal = _core.Goal(l1=l1, rms=rms, total=total, n_leaves=n_leaves, norm=norm, balance=balance)
     if noise is not None:
         if cull_percent is not None:
             raise ValueError("cull_percent and variance or counts; expected one of them")
         flat_noise = _beside(noise, array, "variance" if variance is not None else "counts")
-        goal = (l1, rms, total, n_leaves, norm, balance)
-        tree, loss, repaired = _core.tree_of_noisy_grid(flat, flat_noise, counts is not None, rank, strict, *goal)
+        tree, loss, repaired = _core.tree_of_noisy_grid(flat, flat_noise, counts is not None, rank, strict, goal)
     elif cull_percent is None:
-        tree, loss, repaired = _core.tree_of_grid(flat, rank, strict, l1, rms, total, n_leaves, norm, balance)
+        tree, loss, repaired = _core.tree_of_grid(flat, rank, strict, goal)
     else:
         refuse_beside_cull(l1, rms, total, n_leaves, balance)
-        whole, _, repaired = _core.tree_of_grid(flat, rank, strict, None, None, None, None, norm, None)
+        whole, _, repaired = _core.tree_of_grid(flat, rank, strict, _core.Goal())
         tree = culled(whole, cull_percent)
         loss = _core.loss(whole, tree)
     return tree, _loss(rank, *loss), [repaired] if repaired else []
@@ -201,8 +201,9 @@ def reduced(
     if cull_percent is not None:
         refuse_beside_cull(l1, rms, total, n_leaves, n_bytes, balance)
         return _core.with_trees(bsdf, [culled(tree, cull_percent) for tree in trees])
+    goal = _core.Goal(l1=l1, rms=rms, total=total, norm=norm, balance=balance)
     if n_leaves is not None:
-        return _core.reduced_bsdf_to(bsdf, n_leaves, "leaves", total, norm, balance)
+        return _core.reduced_bsdf_to(bsdf, n_leaves, "leaves", goal)
     if n_bytes is not None:
-        return _core.reduced_bsdf_to(bsdf, n_bytes, file, total, norm, balance)
-    return _core.reduced_bsdf(bsdf, l1, rms, total, norm, balance)
+        return _core.reduced_bsdf_to(bsdf, n_bytes, file, goal)
+    return _core.reduced_bsdf(bsdf, goal)

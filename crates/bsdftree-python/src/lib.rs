@@ -42,6 +42,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(device::device_families, module)?)?;
     module.add_function(wrap_pyfunction!(generate::generate, module)?)?;
     module.add_function(wrap_pyfunction!(check::check, module)?)?;
+    module.add_class::<reduce::PyGoal>()?;
     module.add_function(wrap_pyfunction!(reduce::tree_of_grid, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::tree_of_noisy_grid, module)?)?;
     module.add_function(wrap_pyfunction!(reduce::reduced, module)?)?;

@@ -15,22 +15,31 @@ use crate::bsdf::Bsdf;
 use crate::component::{Tree, rank};
 use crate::value_error;
 
-fn goal(
-    l1: Option<f64>,
-    rms: Option<f64>,
-    total: Option<f64>,
-    n_leaves: Option<usize>,
-    norm: &str,
-    balance: Option<f64>,
-) -> PyResult<Goal> {
-    let norm = match norm {
-        "l1" => Norm::L1,
-        "rms" => Norm::Rms,
-        other => {
-            return Err(PyValueError::new_err(format!("norm {other:?}; expected \"l1\" or \"rms\"")));
-        }
-    };
-    Ok(Goal { l1, rms, total, balance, n_leaves, norm })
+/// What a reduced tree may have lost.
+#[pyclass(name = "Goal", module = "bsdftree._core", frozen)]
+pub struct PyGoal(Goal);
+
+#[pymethods]
+impl PyGoal {
+    #[new]
+    #[pyo3(signature = (*, l1=None, rms=None, total=None, n_leaves=None, norm="l1", balance=None))]
+    fn new(
+        l1: Option<f64>,
+        rms: Option<f64>,
+        total: Option<f64>,
+        n_leaves: Option<usize>,
+        norm: &str,
+        balance: Option<f64>,
+    ) -> PyResult<PyGoal> {
+        let norm = match norm {
+            "l1" => Norm::L1,
+            "rms" => Norm::Rms,
+            other => {
+                return Err(PyValueError::new_err(format!("norm {other:?}; expected \"l1\" or \"rms\"")));
+            }
+        };
+        Ok(PyGoal(Goal { l1, rms, total, balance, n_leaves, norm }))
+    }
 }
 
 /// Loss as Python takes it: relative L1, relative RMS, mean and worst error of totals, and where the worst is in the incident square.
@@ -42,31 +51,22 @@ fn loss_tuple(loss: &Loss) -> LossTuple {
 
 /// A tree of a grid, reduced if anything says how far; what was lost by that; and what was mended, unless that is refused.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
 pub fn tree_of_grid(
     py: Python<'_>,
     values: PyReadonlyArray1<'_, f32>,
     rank: usize,
     strict: bool,
-    l1: Option<f64>,
-    rms: Option<f64>,
-    total: Option<f64>,
-    n_leaves: Option<usize>,
-    norm: &str,
-    balance: Option<f64>,
+    goal: &PyGoal,
 ) -> PyResult<(Tree, LossTuple, Option<String>)> {
     let (rank, values) = (self::rank(rank)?, values.as_slice()?);
-    let goal = self::goal(l1, rms, total, n_leaves, norm, balance)?;
-    let is_reduced = l1.or(rms).or(total).is_some() || n_leaves.is_some();
-    made_of(py, rank, values, strict, |values| match is_reduced {
-        false => Ok((bsdftree::Tree::from_grid(rank, values)?, Loss::default())),
-        true => bsdftree::Tree::reduced_from_grid(rank, values, &goal),
+    made_of(py, rank, values, strict, |values| match goal.0.is_empty() {
+        true => Ok((bsdftree::Tree::from_grid(rank, values)?, Loss::default())),
+        false => bsdftree::Tree::reduced_from_grid(rank, values, &goal.0),
     })
 }
 
 /// A tree of a grid without what noise explains, reduced if anything says how far; what was lost by that; and what was mended.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
 pub fn tree_of_noisy_grid(
     py: Python<'_>,
     values: PyReadonlyArray1<'_, f32>,
@@ -74,17 +74,11 @@ pub fn tree_of_noisy_grid(
     is_counts: bool,
     rank: usize,
     strict: bool,
-    l1: Option<f64>,
-    rms: Option<f64>,
-    total: Option<f64>,
-    n_leaves: Option<usize>,
-    norm: &str,
-    balance: Option<f64>,
+    goal: &PyGoal,
 ) -> PyResult<(Tree, LossTuple, Option<String>)> {
     let (rank, values, noise) = (self::rank(rank)?, values.as_slice()?, noise.as_slice()?);
-    let goal = self::goal(l1, rms, total, n_leaves, norm, balance)?;
     let noise = if is_counts { Noise::Counts(noise) } else { Noise::Variance(noise) };
-    made_of(py, rank, values, strict, |values| bsdftree::Tree::from_noisy_grid(rank, values, noise, &goal))
+    made_of(py, rank, values, strict, |values| bsdftree::Tree::from_noisy_grid(rank, values, noise, &goal.0))
 }
 
 /// What is made of a grid; if that is refused for bad values, what is made of it with those replaced, unless that is refused too.
@@ -113,50 +107,21 @@ fn made_of(
 
 /// A tree reduced to bounds or to a number of leaves.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, reason = "they are those of Python")]
-pub fn reduced(
-    py: Python<'_>,
-    tree: &Tree,
-    l1: Option<f64>,
-    rms: Option<f64>,
-    total: Option<f64>,
-    n_leaves: Option<usize>,
-    norm: &str,
-    balance: Option<f64>,
-) -> PyResult<Tree> {
-    let goal = goal(l1, rms, total, n_leaves, norm, balance)?;
-    let (tree, _) = py.detach(|| tree.0.reduced(&goal)).map_err(value_error)?;
+pub fn reduced(py: Python<'_>, tree: &Tree, goal: &PyGoal) -> PyResult<Tree> {
+    let (tree, _) = py.detach(|| tree.0.reduced(&goal.0)).map_err(value_error)?;
     Ok(Tree(Arc::new(tree)))
 }
 
 /// A BSDF whose trees are reduced.
 #[pyfunction]
-pub fn reduced_bsdf(
-    py: Python<'_>,
-    bsdf: &Bsdf,
-    l1: Option<f64>,
-    rms: Option<f64>,
-    total: Option<f64>,
-    norm: &str,
-    balance: Option<f64>,
-) -> PyResult<Bsdf> {
-    let goal = goal(l1, rms, total, None, norm, balance)?;
-    let reduced = py.detach(|| bsdf.bsdf.reduced(&goal)).map_err(value_error)?;
+pub fn reduced_bsdf(py: Python<'_>, bsdf: &Bsdf, goal: &PyGoal) -> PyResult<Bsdf> {
+    let reduced = py.detach(|| bsdf.bsdf.reduced(&goal.0)).map_err(value_error)?;
     Ok(Bsdf { bsdf: reduced, repairs: Vec::new() })
 }
 
 /// A BSDF whose trees are reduced so that it has at most so many leaves (of luminance), or bytes as a file.
 #[pyfunction]
-pub fn reduced_bsdf_to(
-    py: Python<'_>,
-    bsdf: &Bsdf,
-    most: usize,
-    of: &str,
-    total: Option<f64>,
-    norm: &str,
-    balance: Option<f64>,
-) -> PyResult<Bsdf> {
-    let goal = goal(None, None, total, None, norm, balance)?;
+pub fn reduced_bsdf_to(py: Python<'_>, bsdf: &Bsdf, most: usize, of: &str, goal: &PyGoal) -> PyResult<Bsdf> {
     let size: fn(&bsdftree::Bsdf) -> usize = match of {
         "leaves" => n_leaves,
         "xml" => |bsdf| counted(|out| xml::write(bsdf, out).map_err(drop)),
@@ -168,7 +133,7 @@ pub fn reduced_bsdf_to(
             )));
         }
     };
-    let reduced = py.detach(|| bsdf.bsdf.reduced_to(most, &goal, size)).map_err(|error| match error {
+    let reduced = py.detach(|| bsdf.bsdf.reduced_to(most, &goal.0, size)).map_err(|error| match error {
         ReduceError::Size { least, asked } => {
             let what = if of == "leaves" { of } else { "bytes" };
             value_error(format!("{least} {what} are the least there can be; {asked} were asked for"))

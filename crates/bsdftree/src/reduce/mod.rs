@@ -68,9 +68,6 @@ pub struct Goal {
 /// Totals below are not the measure of their errors, but this is.
 pub const LEAST_TOTAL: f64 = 0.1;
 
-/// How many times `balance` totals may be off before leaves give light to each other, which costs less error then.
-const SHARE_OF_CUTS: f64 = 2.0;
-
 /// How far a tree is from the one it was made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loss {
@@ -130,6 +127,11 @@ pub enum ReduceError {
 }
 
 impl Goal {
+    /// Whether nothing is asked for.
+    pub fn is_empty(&self) -> bool {
+        *self == Goal { norm: self.norm, ..Goal::default() }
+    }
+
     fn validated(self) -> Result<Goal, ReduceError> {
         let bounds = [("L1", self.l1), ("RMS", self.rms), ("totals", self.total), ("balance", self.balance)];
         if bounds[..3].iter().all(|(_, bound)| bound.is_none()) && self.n_leaves.is_none() {
@@ -240,7 +242,7 @@ impl<S: Source> Reduction<S> {
                 match goal.balance {
                     Some(bound) => {
                         let cheapest = self.tree(&cheapest.is_cut);
-                        let tree = self.with_surcharges(cheapest, n, SHARE_OF_CUTS * bound);
+                        let tree = self.with_surcharges(cheapest, n, bound);
                         let loss = loss(&self.source, tree.arena());
                         (tree, loss)
                     }

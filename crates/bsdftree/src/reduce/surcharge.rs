@@ -16,6 +16,9 @@ use crate::tree::{Content, Rank, Slot, Tree, leaf_area};
 /// Most rounds.
 const N_ROUNDS: usize = 16;
 
+/// By how many times totals are to be nearer at most: more than is found.
+const MOST_TIMES: f64 = 10.0;
+
 /// By how much a weight grows where a total is off by twice the bound; 1 makes a change of a total as dear as an error of as much light.
 const STEP: f64 = 0.5;
 
@@ -36,6 +39,7 @@ impl<S: Source> Reduction<S> {
         let mut surcharge = Surcharge::new(&self.source, per_light);
         let mut off = Differences::new(&self.source, cheapest.arena());
         let mut best = (off.worst(), cheapest);
+        let bound = bound.max(best.0 / MOST_TIMES);
         for _ in 0..N_ROUNDS {
             if best.0 <= bound {
                 break;

@@ -56,7 +56,8 @@ impl Differences {
         let totals = source.totals();
         // Of rank 3 only one half of the incident cells is read, which is all if there is one.
         let n_read = if source.rank() == Rank::Four { totals.len() } else { (totals.len() / 2).max(1) };
-        let scale = |(k, total): (usize, &f64)| if k < n_read { total.max(LEAST_TOTAL) } else { f64::INFINITY };
+        let scale =
+            |(k, total): (usize, &f64)| if k < n_read { total.max(LEAST_TOTAL) } else { f64::INFINITY };
         Differences {
             off: reduced_totals(source, reduced).zip(&totals).map(|(left, total)| left - total).collect(),
             scales: totals.iter().enumerate().map(scale).collect(),
