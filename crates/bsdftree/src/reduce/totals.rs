@@ -135,6 +135,7 @@ impl At {
 
 /// A cut: the node, where it is, and where it begins to be said by how much it changes the total of each of its incident cells. There may
 /// be as many as leaves, so they are small.
+#[derive(Clone, Copy)]
 struct Cut {
     score: f64,
     node: u32,
@@ -242,10 +243,13 @@ impl<S: Source> Guard<'_, S> {
                 found.changes.extend_from_slice(difference);
             }
         });
-        let mut cuts = std::mem::take(&mut found.cuts);
-        cuts.sort_unstable_by(|a, b| b.score.total_cmp(&a.score).then(a.first.cmp(&b.first)));
-        cuts.retain(|cut| {
-            let changes = || self.at(cut.level, cut.cell).indices().zip(found.of(cut));
+        // The largest score first, then as they were found: one number each, which is sorted faster.
+        let key = |(k, cut): (usize, &Cut)| u64::from(!(cut.score as f32).to_bits()) << 32 | k as u64;
+        let mut order: Vec<u64> = found.cuts.iter().enumerate().map(key).collect();
+        order.sort_unstable();
+        let cuts = order.into_iter().filter_map(|key| {
+            let cut = found.cuts[key as u32 as usize];
+            let changes = || self.at(cut.level, cut.cell).indices().zip(found.of(&cut));
             let helps = changes().any(|(k, d)| d * excess[k] > 0.0);
             if helps {
                 for (k, d) in changes() {
@@ -253,9 +257,9 @@ impl<S: Source> Guard<'_, S> {
                     excess[k] = if left * excess[k] > 0.0 { left } else { 0.0 };
                 }
             }
-            helps
+            helps.then_some(cut)
         });
-        found.cuts = cuts;
+        found.cuts = cuts.collect();
         found
     }
 }
