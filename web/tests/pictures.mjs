@@ -8,7 +8,7 @@ import { choose, newPage, python, settled, show, withViewer } from "./harness.mj
 
 const docs = fileURLToPath(new URL("../../docs/img", import.meta.url));
 /** Bytes. */
-const MOST = 200_000;
+const MOST = 250_000;
 const MADE = [
   "generate --device prism --tile --log2-res 5 --samples 500 --seed 1 -o prism.xml",
   "generate --device blinds:angle=30 --tile --log2-res 4 --samples 1000 --seed 1 -o blinds.xml",
@@ -18,9 +18,11 @@ const MADE = [
 const PICTURES = [
   ["lobes", "light", ["prism.xml"], 40, 90, "front", "Lobes"],
   ["polar", "dark", ["blinds.xml"], 40, 90, "back", "Polar maps", (page) => page.locator("#edges").check()],
-  ["mosaic", "light", ["blinds.xml"], 40, 90, "back", "Mosaic", (page) => page.locator("#part").selectOption("transmission_front")],
   ["slice", "light", ["prism.xml"], 40, 90, "front", "Slice"],
   ["totals", "dark", ["prism.xml"], 40, 90, "front", "Totals"],
+  ["mosaic", "light", ["blinds.xml"], 40, 90, "back", "Mosaic", (page) => page.locator("#part").selectOption("transmission_front")],
+  ["tree", "dark", ["blinds.xml"], 40, 90, "back", "Tree"],
+  ["compare", "light", ["blinds.xml", "small.xml"], 40, 90, "back", "Compare"],
 ];
 
 await withViewer(async (viewer) => {
