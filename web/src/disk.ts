@@ -13,9 +13,9 @@ export class Disk {
   readonly element: HTMLElement;
   private readonly canvas: HTMLCanvasElement;
   private readonly caption = make("figcaption");
-  private readonly mirror = svg("path", { class: "mirror" });
+  private readonly mirror = new Cross("mirror", 0.05, 0.02);
   private readonly needle = svg("circle", { class: "needle", r: 0.03 });
-  private readonly cursor = svg("path", { class: "cursor" });
+  private readonly cursor = new Cross("cursor", 0.09, 0.03);
   private front = true;
   private incident: Direction = [0, 0, 1];
   private pointedAt: Direction | null = null;
@@ -26,10 +26,13 @@ export class Disk {
     id = "",
   ) {
     this.canvas = make("canvas", { tabIndex: 0, ...(id && { id }) });
-    const over = svg("svg", { viewBox: "-1 -1 2 2", "aria-hidden": "true" });
-    over.append(...rings(), this.mirror, this.needle, this.cursor);
+    // Two drawings, one on the other, so that rings are not drawn again with each mark.
+    const look = { viewBox: "-1 -1 2 2", "aria-hidden": "true" };
+    const [still, marks] = [svg("svg", look), svg("svg", look)];
+    still.append(...rings());
+    marks.append(this.mirror.element, this.needle, this.cursor.element);
     const disk = make("div", { className: "disk" }, this.canvas);
-    disk.append(over);
+    disk.append(still, marks);
     this.element = make("figure", {}, this.caption, make("div", { className: "square" }, disk));
     for (const kind of ["pointermove", "pointerdown"] as const) this.canvas.addEventListener(kind, (event) => pointed(this.under(event)));
     // A finger that is lifted has read something.
@@ -44,10 +47,13 @@ export class Disk {
   draw(front: boolean, picture: ImageData, edges: Uint8Array | null, isBlack: boolean): void {
     this.front = front;
     const verb = this.kind === "reflection" ? "reflected" : "transmitted";
-    this.caption.textContent = `${verb}, ${front ? "into the room (+Z)" : "to outside (−Z)"}${isBlack ? ": nothing" : ""}`;
-    this.canvas.setAttribute("aria-label", `${this.caption.textContent}; arrow keys move a cursor`);
+    const caption = `${verb}, ${front ? "into the room (+Z)" : "to outside (−Z)"}${isBlack ? ": nothing" : ""}`;
+    if (caption !== this.caption.textContent) {
+      this.caption.textContent = caption;
+      this.canvas.setAttribute("aria-label", `${caption}; arrow keys move a cursor`);
+    }
     if (edges) mark(picture, edges);
-    this.canvas.width = this.canvas.height = picture.width;
+    if (this.canvas.width !== picture.width) this.canvas.width = this.canvas.height = picture.width;
     this.canvas.getContext("2d")!.putImageData(picture, 0, 0);
   }
 
@@ -62,8 +68,8 @@ export class Disk {
   point({ incident, pointedAt }: State): void {
     this.incident = incident;
     this.pointedAt = pointedAt && pointedAt[2] > 0 === this.front ? pointedAt : null;
-    this.mirror.setAttribute("d", cross([-incident[0], -incident[1]], 0.05, 0.02));
-    this.cursor.setAttribute("d", this.pointedAt ? cross(this.pointedAt, 0.09, 0.03) : "");
+    this.mirror.move([-incident[0], -incident[1]]);
+    this.cursor.move(this.pointedAt);
   }
 
   private under(event: PointerEvent): Direction | null {
@@ -82,10 +88,31 @@ export class Disk {
   }
 }
 
-/** Four strokes about a place, which stays free. */
-function cross([x, y]: readonly number[], outer: number, inner: number): string {
-  const [a, b] = [x!, -y!];
-  return [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) => `M${a + inner * u!} ${b + inner * v!}L${a + outer * u!} ${b + outer * v!}`).join("");
+/** Four strokes about a place, which stays free; dark ones beneath, so that they are seen on any colour. */
+class Cross {
+  readonly element = svg("g", {});
+  private readonly strokes: readonly SVGElement[];
+  private at = "";
+
+  constructor(
+    kind: string,
+    private readonly outer: number,
+    private readonly inner: number,
+  ) {
+    this.strokes = ["beneath", kind].map((name) => svg("path", { class: name }));
+    this.element.append(...this.strokes);
+  }
+
+  move(place: readonly number[] | null): void {
+    const at = place ? this.path(place[0]!, -place[1]!) : "";
+    if (at !== this.at) this.strokes.forEach((stroke) => stroke.setAttribute("d", at));
+    this.at = at;
+  }
+
+  private path(x: number, y: number): string {
+    const { inner, outer } = this;
+    return [[1, 0], [-1, 0], [0, 1], [0, -1]].map(([u, v]) => `M${x + inner * u!} ${y + inner * v!}L${x + outer * u!} ${y + outer * v!}`).join("");
+  }
 }
 
 /** Borders of cells, light on dark and dark on light. */

@@ -226,7 +226,7 @@ main(["from-function", "needle", "--rank", "3", "-c", "reflection_back", "--log2
   };
   const inLobes = await largest("Lobes", "#lobes .ticks span");
   const inMaps = await largest("Polar maps", ".view:not([hidden]) .legend .ticks span");
-  assert.equal(await page.locator("#reflection + svg .needle").getAttribute("visibility"), "visible");
+  assert.equal(await page.locator(".disk:has(#reflection) .needle").getAttribute("visibility"), "visible");
   assert.ok(inLobes > 50 && inMaps > 50, `${inLobes} and ${inMaps} at the top of scales`);
   await keep(page, "needle");
 }
