@@ -20,6 +20,7 @@ mod incidence;
 mod frame;
 mod lobes;
 mod link;
+mod ways;
 mod path;
 mod tracks;
 mod blend;

@@ -13,6 +13,7 @@ use bsdftree::peaks::{Map, maps_through};
 
 use crate::incidence::{Blend, Plane, Weights};
 use crate::lambert::{self, Ray};
+use crate::ways::Way;
 
 /// Fewest scans that say what a map is.
 const FEWEST: usize = 6;
@@ -43,7 +44,14 @@ const LEAST_TRANSMITTANCE: f64 = 0.05;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Path {
     part: Part,
-    map: Option<Map>,
+    known: Option<Known>,
+}
+
+/// What sends light to a place.
+#[derive(Clone, Copy, Debug)]
+enum Known {
+    Map(Map),
+    Way(Way),
 }
 
 /// One lobe in all scans.
@@ -52,7 +60,7 @@ pub(crate) struct Seen<'a> {
     pub incidents: &'a [Ray],
     /// Centre and power in those that have it, by scan.
     pub members: &'a [(usize, Ray, f64)],
-    /// Centres of the other lobes of each scan.
+    /// Centres of the lobes of each scan, this one and others.
     pub others: &'a [Vec<Ray>],
 }
 
@@ -70,7 +78,7 @@ impl Path {
             maps_through(on_side(seen.incidents[k], part.incident_side()), on_side(o, part.exitant_side()))
         });
         let mut guesses: Vec<(f64, Path)> = maps
-            .map(|map| Path { part, map: Some(map) })
+            .map(|map| Path { part, known: Some(Known::Map(map)) })
             .filter_map(|path| Some((judge.misplaced(&path)?, path)))
             .collect();
         guesses.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -85,20 +93,40 @@ impl Path {
 
     /// None that is known: lobes are shifted.
     pub fn straight(part: Part) -> Path {
-        Path { part, map: None }
+        Path { part, known: None }
     }
 
-    /// Direction cosines of where light from `incident` (upper hemisphere) goes; `None` if the map sends it nowhere.
+    /// A way through a film that is known by other lobes.
+    pub fn along(part: Part, way: Way) -> Path {
+        Path { part, known: Some(Known::Way(way)) }
+    }
+
+    /// The map, if it is one.
+    pub fn map(&self) -> Option<Map> {
+        match self.known {
+            Some(Known::Map(map)) => Some(map),
+            _ => None,
+        }
+    }
+
+    /// Direction cosines of where light from `incident` (upper hemisphere) goes; `None` if it goes nowhere.
     pub fn place(&self, incident: Ray) -> Option<[f64; 2]> {
-        match self.map {
+        let from = on_side(incident, self.part.incident_side());
+        match self.known {
             None => Some([-f64::from(incident[0]), -f64::from(incident[1])]),
-            Some(map) => map.cosines(on_side(incident, self.part.incident_side()), self.part.exitant_side()),
+            Some(Known::Map(map)) => map.cosines(from, self.part.exitant_side()),
+            Some(Known::Way(way)) => way.to(from).map(|(place, _)| place),
         }
     }
 
     /// The fraction of light that surfaces let through on the way to a place.
     pub fn transmittance(&self, incident: Ray, place: [f64; 2]) -> f64 {
-        self.map.map_or(1.0, |map| map.transmittance(on_side(incident, self.part.incident_side()), place))
+        let from = on_side(incident, self.part.incident_side());
+        match self.known {
+            None => 1.0,
+            Some(Known::Map(map)) => map.transmittance(from, place),
+            Some(Known::Way(way)) => way.to(from).map_or(0.0, |(_, power)| power),
+        }
     }
 
     /// The power of a lobe in units of what surfaces let through.
@@ -106,9 +134,27 @@ impl Path {
         power / self.transmittance(incident, cosines(center)).max(LEAST_TRANSMITTANCE)
     }
 
+    /// Whether a lobe of light from a direction can have this power: on a way through a film, no more than faces let through.
+    pub fn lets_through(&self, power: f64, incident: Ray) -> bool {
+        /// Light of near directions is let through better, and is seen too.
+        const BLURRED: f64 = 1.1;
+        match self.known {
+            Some(Known::Way(way)) => {
+                let there = way.to(on_side(incident, self.part.incident_side()));
+                there.is_some_and(|(_, most)| power < BLURRED * most)
+            }
+            _ => true,
+        }
+    }
+
+    /// Whether it is one through a film that is known by other lobes.
+    pub fn is_way(&self) -> bool {
+        matches!(self.known, Some(Known::Way(_)))
+    }
+
     /// Whether it is known where a lobe ends.
     pub fn is_known(&self) -> bool {
-        self.map.is_some()
+        self.known.is_some()
     }
 }
 
@@ -193,7 +239,7 @@ fn polished(mut best: (f64, Path), missed: impl Fn(&Path) -> Option<f64>) -> (f6
         let near = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let near = near.into_iter().flat_map(|d| [d.map(|c| c * step), d.map(|c| -c * step)]);
         let tried = near.filter_map(|by| {
-            let path = Path { map: Some(changed(best.1.map?, by)?), ..best.1 };
+            let path = Path { known: Some(Known::Map(changed(best.1.map()?, by)?)), ..best.1 };
             Some((missed(&path)?, path))
         });
         match tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
@@ -238,7 +284,7 @@ mod tests {
         let incidents: Vec<Ray> =
             ring(0.0, 1).chain(ring(0.3, 6)).chain(ring(0.55, 8)).chain(ring(0.8, 10)).collect();
         let part = Part::TransmissionBack;
-        let path = Path { part, map: Some(map) };
+        let path = Path { part, known: Some(Known::Map(map)) };
         let member = |(k, &incident): (usize, &Ray)| {
             let [x, y] = path.place(incident).filter(|[x, y]| x.hypot(*y) < 0.99)?;
             let power = 0.7 * path.transmittance(incident, [x, y]);
@@ -260,7 +306,7 @@ mod tests {
         let normal = normalized([0.0, -0.5, 0.866]).unwrap();
         let (incidents, members) = seen_of(Map::Prism { normal, index: 1.49, flat_first: false });
         let Some(Map::Prism { normal: [x, y, _], index, flat_first: false }) =
-            found(&incidents, &members).map
+            found(&incidents, &members).map()
         else {
             panic!("no prism");
         };

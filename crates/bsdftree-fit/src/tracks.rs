@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use crate::gridded::Gridded;
 use crate::incidence::{Blend, Incidence, Line, Plane, Weights, lambert_radius};
 use crate::lambert::{self, Ray};
-use crate::link::{Spot, followed};
+use crate::link::{Group, Spot, Spots, followed};
 use crate::lobes::{Lobe, NONE, lobes_of};
-use crate::path::{Path, Seen, cosines};
+use crate::path::{Path, cosines};
 use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 
@@ -92,27 +92,26 @@ impl Tracks {
         }
         let (mut labels, lobes): (Vec<_>, Vec<_>) = found.into_iter().unzip();
         let incidents: Vec<Ray> = scans.iter().map(|s| s.incident).collect();
-        let spots = Spot::all(&incidents, &lobes);
-        let mut groups = followed(&incidents, &spots, line, part, progress)?;
+        let spots = Spots::new(&incidents, &lobes, line, part);
+        let mut groups = followed(&spots, progress)?;
         // The strongest tracks; others stay in the base.
-        let strength = |group: &[usize]| group.iter().map(|&s| spots[s].lobe.power).sum::<f64>();
+        let strength = |group: &Group| group.spots.iter().map(|&s| spots.all[s].lobe.power).sum::<f64>();
         groups.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
         groups.truncate(usize::from(NONE));
         let mut track_of: BTreeMap<(usize, usize), u8> = BTreeMap::new();
         for (t, group) in groups.iter().enumerate() {
-            track_of.extend(group.iter().map(|&s| ((spots[s].scan, spots[s].number), t as u8)));
+            track_of.extend(group.spots.iter().map(|&s| ((spots.all[s].scan, spots.all[s].number), t as u8)));
         }
         for (scan, labels) in labels.iter_mut().enumerate() {
             for label in labels.iter_mut().filter(|label| **label != NONE) {
                 *label = track_of.get(&(scan, usize::from(*label))).copied().unwrap_or(NONE);
             }
         }
-        let track = |group: &Vec<usize>| {
-            let group: Vec<Spot> = group.iter().map(|&s| spots[s]).collect();
+        let track = |group: &mut Group| {
             progress.go_on()?;
-            Ok(Track::new(&incidents, &spots, &group, &labels, line, part))
+            Ok(Track::new(&spots, group, &labels))
         };
-        let tracks = groups.par_iter().map(track).collect::<Result<_, _>>()?;
+        let tracks = groups.par_iter_mut().map(track).collect::<Result<_, _>>()?;
         Ok(Some(Tracks { tracks, labels }))
     }
 
@@ -161,15 +160,9 @@ impl Tracks {
 }
 
 impl Track {
-    fn new(
-        incidents: &[Ray],
-        all: &[Spot],
-        group: &[Spot],
-        labels: &[Vec<u8>],
-        line: bool,
-        part: Part,
-    ) -> Track {
-        let mut track = Track::beside(incidents, all, group, line, part);
+    fn new(spots: &Spots<'_>, group: &mut Group, labels: &[Vec<u8>]) -> Track {
+        let incidents = spots.incidents;
+        let mut track = group.track(spots);
         if track.path.is_known() {
             let is_absent = |&k: &usize| {
                 let dark = |[x, y]: [f64; 2]| {
@@ -183,22 +176,14 @@ impl Track {
             };
             track.absent = (0..incidents.len()).filter(is_absent).collect();
             let all = track.members.iter().map(|m| m.scan).chain(track.absent.iter().copied());
-            track.powers = incidence_of(incidents, all, line).expect("a track has members");
+            track.powers = incidence_of(incidents, all, spots.line).expect("a track has members");
         }
         track
     }
 
-    /// From its lobes alone.
-    pub fn beside(incidents: &[Ray], all: &[Spot], group: &[Spot], line: bool, part: Part) -> Track {
-        let mut group = group.to_vec();
-        group.sort_by_key(|spot| spot.scan);
-        let of_lobe: Vec<_> =
-            group.iter().map(|spot| (spot.scan, spot.lobe.center, spot.lobe.power)).collect();
-        let mut others = vec![Vec::new(); incidents.len()];
-        all.iter().for_each(|spot| others[spot.scan].push(spot.lobe.center));
-        let seen = Seen { incidents, members: &of_lobe, others: &others };
-        let path = if line { Path::straight(part) } else { Path::new(part, &seen) };
-        let member = |spot: &Spot| {
+    /// From its lobes, one of a scan, in the order of scans, and the way of its light.
+    pub fn along(path: Path, group: &[&Spot], incidents: &[Ray], line: bool) -> Track {
+        let member = |&spot: &&Spot| {
             let (incident, center) = (incidents[spot.scan], spot.lobe.center);
             let ([x, y], [u, v]) =
                 (cosines(center), path.place(incident).expect("its map sends light there"));
@@ -244,6 +229,9 @@ impl Track {
     /// How far from where it is foreseen a lobe is, in units of what can be foreseen so far from its scans.
     pub fn surprise(&self, incidents: &[Ray], spot: &Spot) -> f64 {
         let incident = incidents[spot.scan];
+        if !self.path.lets_through(spot.lobe.power, incident) {
+            return f64::INFINITY;
+        }
         let gap = |m: &Member| lambert::distance(incident, incidents[m.scan]);
         let near = self.members.iter().map(gap).fold(f64::MAX, f64::min);
         let reach = if self.path.is_known() { 0.2 } else { 0.5 };
@@ -255,7 +243,7 @@ impl Track {
     fn strength(&self, weights: &Weights) -> f64 {
         let strongest = self.members.iter().map(|m| m.strength).fold(0.0, f64::max);
         let here: f64 = weights.iter().map(|&(k, w)| w * self.member(k).map_or(0.0, |m| m.strength)).sum();
-        here.clamp(0.0, STRONGEST * strongest)
+        here.clamp(0.0, if self.path.is_way() { strongest.min(1.0) } else { STRONGEST * strongest })
     }
 }
 

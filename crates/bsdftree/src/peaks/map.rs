@@ -89,7 +89,7 @@ impl Map {
             true => (incident[2].abs(), dot([x, y, leaving.copysign(-incident[2])], normal).abs()),
             false => (leaving, dot(incident, normal).abs()),
         };
-        fresnel(index, flat) * fresnel(index, facet)
+        transmittance(index, flat) * transmittance(index, facet)
     }
 
     /// Whether it leaves through the plane of the device, which keeps x and y of the optical vector.
@@ -136,20 +136,21 @@ fn along(a: Direction, t: f64, b: Direction) -> Direction {
     std::array::from_fn(|k| a[k] + t * b[k])
 }
 
-fn reflected(travel: Direction, normal: Direction) -> Direction {
+/// An optical vector reflected in a face of this normal.
+pub fn reflected(travel: Direction, normal: Direction) -> Direction {
     along(travel, -2.0 * dot(travel, normal), normal)
 }
 
-/// The optical vector with its part along the normal changed so that its squared length grows by `growth`; none if
-/// reflected totally.
-fn bent(vector: Direction, normal: Direction, growth: f64) -> Option<Direction> {
+/// The optical vector with its part along the normal changed so that its squared length grows by `growth`, the difference of squared
+/// indices; `None` if it is reflected totally.
+pub fn bent(vector: Direction, normal: Direction, growth: f64) -> Option<Direction> {
     let part = dot(vector, normal);
     let square = part * part + growth;
     (square > 0.0).then(|| along(vector, square.sqrt().copysign(part) - part, normal))
 }
 
-/// Transmittance of a face to unpolarized light, by the cosine on the outside.
-fn fresnel(index: f64, outside: f64) -> f64 {
+/// Transmittance of a face to unpolarized light, by the cosine on the outside (Fresnel).
+pub fn transmittance(index: f64, outside: f64) -> f64 {
     let c = outside.min(1.0);
     let inside = (1.0 - (1.0 - c * c) / (index * index)).sqrt();
     let s = (c - index * inside) / (c + index * inside);

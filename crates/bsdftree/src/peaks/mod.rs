@@ -20,7 +20,7 @@ mod family;
 #[cfg(test)]
 mod tests;
 
-pub use map::Map;
+pub use map::{Map, bent, reflected, transmittance};
 
 use crate::bsdf::{Band, Part, Scattering};
 use crate::direction::{Direction, Side};
