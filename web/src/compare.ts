@@ -64,7 +64,7 @@ export class Compare implements View {
     const scale = Scale.of(state, Math.max(...largest));
     const apart = pictures.map(([a, b]) => difference(a, b));
     const most = Math.max(...apart.map((values) => peak(values.map(Math.abs))));
-    const differences = differenceScale(state.decades, most || scale.highest);
+    const differences = differenceScale(state.decades / 2, most || scale.highest);
     this.names.replaceChildren(...[`A: ${one.name}`, `B: ${other.name}`, "difference B − A", "ratio B / A"].map((text) => make("span", { title: text }, text)));
     this.rows.forEach((row, k) => {
       // One without light is left out, unless there is none at all.

@@ -18,7 +18,7 @@ export interface Diverging {
   readonly labels: [number, string][];
 }
 
-/** Over some powers of ten on each side of nothing, or, if they are none, linear. */
+/** Over some powers of ten on each side of nothing, or, if they are none, linear. Half as many as values have keep small differences pale. */
 export function differenceScale(decades: number, largest: number): Diverging {
   const low = largest / 10 ** decades;
   const side = (size: number): number => {

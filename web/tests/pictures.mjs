@@ -1,4 +1,4 @@
-// The pictures of docs/view.md and the README: `npm run pictures`, after `make web`. Devices are made by seeds, so that nothing but the viewer changes them.
+// The pictures of docs/view.md and the README: `npm run pictures`, after `make web`; with names after `--`, only those. Devices are made by seeds, so that nothing but the viewer changes them.
 
 import { execFileSync } from "node:child_process";
 import { statSync, writeFileSync } from "node:fs";
@@ -19,6 +19,8 @@ const PICTURES = [
   ["lobes", "light", ["prism.xml"], 40, 90, "front", "Lobes"],
   ["polar", "dark", ["blinds.xml"], 40, 90, "back", "Polar maps", (page) => page.locator("#edges").check()],
   ["slice", "light", ["prism.xml"], 40, 90, "front", "Slice"],
+  ["tree", "dark", ["blinds.xml"], 40, 90, "back", "Tree", (page) => page.locator("#part").selectOption("transmission_front")],
+  ["compare", "light", ["blinds.xml", "small.xml"], 40, 90, "back", "Compare", (page) => page.waitForSelector("#compare tr[data-found]")],
   ["totals", "dark", ["prism.xml"], 40, 90, "front", "Totals"],
   ["mosaic", "light", ["blinds.xml"], 40, 90, "back", "Mosaic", (page) => page.locator("#part").selectOption("transmission_front")],
   ["tree", "dark", ["blinds.xml"], 40, 90, "back", "Tree"],
@@ -27,7 +29,9 @@ const PICTURES = [
 
 await withViewer(async (viewer) => {
   for (const line of MADE) execFileSync(python, ["-m", "bsdftree", ...line.split(" ")], { cwd: viewer.folder, stdio: "ignore" });
+  const wanted = process.argv.slice(2);
   for (const [name, colorScheme, files, thetaDeg, phiDeg, side, tab, press] of PICTURES) {
+    if (wanted.length > 0 && !wanted.includes(name)) continue;
     const { page } = await newPage(viewer, { colorScheme });
     await show(page, ...files.map((file) => join(viewer.folder, file)));
     await page.locator("#side").selectOption(side);
