@@ -84,7 +84,10 @@ export class Disk {
     const [x, y] = this.pointedAt ?? [-this.incident[0], -this.incident[1]];
     const step = event.shiftKey ? 10 * STEP : STEP;
     const next = fromDisk(x + step * move[0]!, y + step * move[1]!, this.front);
-    if (next) this.pointed(next);
+    if (!next) return;
+    // Keys may come faster than frames.
+    this.pointedAt = next;
+    this.pointed(next);
   }
 }
 

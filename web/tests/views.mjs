@@ -149,6 +149,7 @@ async function keysReachEverything(page) {
   await settled(page);
   assert.ok(await page.locator("#reflection").isVisible(), "arrow keys move along the tabs");
   await page.locator("#reflection").press("Shift+ArrowRight");
+  await settled(page);
   const before = await page.locator("#readout").getAttribute("data-exitant");
   await page.locator("#reflection").press("ArrowRight");
   await settled(page);
