@@ -23,8 +23,6 @@ const PICTURES = [
   ["compare", "light", ["blinds.xml", "small.xml"], 40, 90, "back", "Compare", (page) => page.waitForSelector("#compare tr[data-found]")],
   ["totals", "dark", ["prism.xml"], 40, 90, "front", "Totals"],
   ["mosaic", "light", ["blinds.xml"], 40, 90, "back", "Mosaic", (page) => page.locator("#part").selectOption("transmission_front")],
-  ["tree", "dark", ["blinds.xml"], 40, 90, "back", "Tree"],
-  ["compare", "light", ["blinds.xml", "small.xml"], 40, 90, "back", "Compare"],
 ];
 
 await withViewer(async (viewer) => {

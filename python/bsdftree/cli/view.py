@@ -31,6 +31,7 @@ def view(files: tuple[str, ...], exported: str | None, port: int | None, no_brow
     Examples:
       bsdftree view blinds.xml
       bsdftree view blinds.xml small.xml                   side by side
+      bsdftree view film.xml film_errors.xml               with what fit --errors wrote
       bsdftree view blinds.xml --export blinds.html        to send to somebody
       bsdftree view blinds.xml --no-browser --port 8000    on a remote machine, behind ssh -L 8000:127.0.0.1:8000
     """
