@@ -100,7 +100,7 @@ export class Mosaic implements View {
     this.state = state;
     const file = state.first!;
     const band = file.band(state.band);
-    const form = file.summary.bands[band]!.components.find(({ part }) => part === state.part)!.form;
+    const { form, maximum } = file.summary.bands[band]!.components.find(({ part }) => part === state.part)!;
     const { finest_log2_tiles: finest } = file.mosaicLayout({ band, part: state.part, log2Tiles: 0 });
     const least = form.rank === 3 ? 1 : 0;
     if (fresh) {
@@ -121,7 +121,8 @@ export class Mosaic implements View {
           ? "A tile is a range of incident polar angles, from normal to grazing; the light heads to the right."
           : "A tile is one incident direction, placed by where the light heads; in it, where it leaves to.";
       if (isOther) {
-        this.highest = overview(file, of, layout);
+        // The same from afar, where pixels are means, and down to one cell.
+        this.highest = maximum;
         this.pan.plane({ x: layout.columns, y: layout.rows }, LARGEST_CELL * 2 ** layout.finest_log2_exitant);
       }
     }
@@ -245,13 +246,6 @@ export class Mosaic implements View {
 
 function tilesNamed(rank: number | undefined, log2: number): string {
   return rank === 3 ? `${2 ** (log2 - 1)} polar angles` : `${2 ** log2} × ${2 ** log2}`;
-}
-
-/** The largest value of a picture of all, about 512 pixels wide. */
-function overview(file: Opened, of: MosaicOf, { columns, rows, finest_log2_exitant: finest }: MosaicLayout): number {
-  const log2Exitant = Math.min(finest, Math.max(0, 9 - Math.log2(columns)));
-  const all = { log2Exitant, x: 0, y: 0, width: columns * 2 ** log2Exitant, height: rows * 2 ** log2Exitant };
-  return file.mosaic(of, false, all).reduce((most, value) => (value > most ? value : most), 0);
 }
 
 /** What of the mosaic is in sight, with about a pixel for each of the screen's, unless its cells are coarser. */

@@ -1,4 +1,5 @@
-// The pictures of docs/view.md and the README: `npm run pictures`, after `make web`; with names after `--`, only those. Devices are made by seeds, so that nothing but the viewer changes them.
+// The pictures of docs/view.md and the README: `npm run pictures`, after `make web`; with names after `--`, only those. Devices are made by seeds, so that
+// nothing but the viewer changes them.
 
 import { execFileSync } from "node:child_process";
 import { statSync, writeFileSync } from "node:fs";
