@@ -17,8 +17,9 @@ use crate::prepare::{self, Points};
 use crate::progress::{Progress, Stopped};
 use crate::residual::relative_l1;
 
-/// A higher symmetry is taken if errors rise by no more than this factor, or this much.
-const TOLERATED: (f64, f64) = (1.05, 0.002);
+/// A higher symmetry is taken if errors rise by no more than this factor and this much: those that samples have raise them by up to
+/// 1.06, those that they have not by 1.5 and more, or images contradict them.
+const TOLERATED: (f64, f64) = (1.1, 0.002);
 
 /// A scan at normal incidence is the same turned if it differs by no more than this many times what neighbouring points do, or this much.
 const SAME_IMAGE: (f64, f64) = (2.0, 0.02);
