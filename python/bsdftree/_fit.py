@@ -149,16 +149,13 @@ class Fit:
         ValueError
             If rank or resolution do not suit.
         """
-        trees, errors = self._core.bsdf(rank=rank, log2_res=log2_res, tolerance=tolerance, progress=progress)
-        recipes = ", ".join(f"{part} {rows[0].frame}" for part, rows in self.recipes.items())
-        made = f"Fitted by: bsdftree {_core.__version__} fit ({self.symmetry}; {recipes})"
-        told = [made, *extrapolation(self)]
-        name, manufacturer = self.measurement.name, self.measurement.manufacturer
-        whole, uncertain = (
-            Bsdf(core).with_header(name=name, manufacturer=manufacturer, provenance=[*told, *notes])
-            for core, notes in ((trees, []), (errors, ["Standard errors in place of values"]))
+        bsdf = self.bsdf(rank, log2_res, tolerance=tolerance, progress=progress)
+        errors = Bsdf(self._core.errors_of(bsdf._core)).with_header(
+            name=bsdf.name,
+            manufacturer=bsdf.manufacturer,
+            provenance=[*bsdf.provenance, "Standard errors in place of values"],
         )
-        return FittedTrees(whole, uncertain)
+        return FittedTrees(bsdf, errors)
 
     def bsdf(
         self,
@@ -169,7 +166,14 @@ class Fit:
         progress: Callable[[int, int], None] | None = None,
     ) -> Bsdf:
         """The trees of :meth:`trees`, without their errors; arguments as there."""
-        return self.trees(rank, log2_res, tolerance=tolerance, progress=progress).bsdf
+        core = self._core.bsdf(rank=rank, log2_res=log2_res, tolerance=tolerance, progress=progress)
+        recipes = ", ".join(f"{part} {rows[0].frame}" for part, rows in self.recipes.items())
+        made = f"Fitted by: bsdftree {_core.__version__} fit ({self.symmetry}; {recipes})"
+        return Bsdf(core).with_header(
+            name=self.measurement.name,
+            manufacturer=self.measurement.manufacturer,
+            provenance=[made, *extrapolation(self)],
+        )
 
     def summary(self, trees: FittedTrees | None = None) -> FitSummary:
         """Say what was measured, how it was fitted and how good that is: what ``bsdftree fit`` prints.

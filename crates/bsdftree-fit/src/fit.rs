@@ -7,7 +7,7 @@ use bsdftree::convert::from_channels;
 use bsdftree::direction::Direction;
 use bsdftree::reduce::{Goal, ReduceError};
 use bsdftree::tree::{Tree, TreeError};
-use bsdftree::{Band, Bsdf, Component, Part, Rank};
+use bsdftree::{Band, Bsdf, Component, Part, Rank, Scattering};
 use thiserror::Error;
 
 use crate::blend::Recipe;
@@ -96,15 +96,6 @@ pub enum FitError {
     /// Stopped from outside.
     #[error(transparent)]
     Stopped(#[from] Stopped),
-}
-
-/// Trees of a fit.
-#[derive(Debug)]
-pub struct Made {
-    /// The BSDF, one band.
-    pub bsdf: Bsdf,
-    /// The same trees with a standard error in place of each leaf's value \[1/sr\].
-    pub errors: Bsdf,
 }
 
 /// A fitted measurement.
@@ -197,17 +188,17 @@ impl Fit {
         (0.2 * worst).clamp(0.005, 0.05)
     }
 
-    /// Makes trees, with as few leaves as the tolerance (relative L1) allows, and their errors.
+    /// Makes trees, with as few leaves as the tolerance (relative L1) allows: one band.
     ///
     /// # Errors
     /// If rank or resolution do not suit, or `progress` says stop.
-    pub fn made(
+    pub fn bsdf(
         &self,
         rank: Rank,
         log2_res: u32,
         tolerance: f64,
         progress: &Progress,
-    ) -> Result<Made, FitError> {
+    ) -> Result<Bsdf, FitError> {
         let most = if rank == Rank::Three { 9 } else { 7 };
         if !(1..=most).contains(&log2_res) {
             return Err(FitError::Resolution { found: log2_res, most, rank: rank.dimensions() });
@@ -217,7 +208,7 @@ impl Fit {
         }
         let cells = crate::cells::Cells { rank, log2_res };
         progress.total.store(self.models.len() * self.n_channels * cells.n_incident(), Ordering::Relaxed);
-        let (mut band, mut errors) = (Band::new("Visible"), Band::new("Visible"));
+        let mut band = Band::new("Visible");
         for model in &self.models {
             let others: Vec<&Model> = self
                 .models
@@ -230,7 +221,6 @@ impl Fit {
                 Ok(if tolerance > 0.0 { tree.reduced(&goal)?.0 } else { tree })
             };
             let mut trees = (0..self.n_channels).map(tree).collect::<Result<Vec<Tree>, _>>()?;
-            errors.insert(model.part, Component::grey(model.error_tree(&trees[self.n_channels / 2])?.into()));
             let component = match self.n_channels {
                 1 => Component::grey(trees.remove(0).into()),
                 _ => {
@@ -240,8 +230,26 @@ impl Fit {
             };
             band.insert(model.part, component);
         }
-        let whole = |band| Bsdf { bands: vec![band], ..Bsdf::default() };
-        Ok(Made { bsdf: whole(band), errors: whole(errors) })
+        Ok(Bsdf { bands: vec![band], ..Bsdf::default() })
+    }
+
+    /// Trees that [`Fit::bsdf`] made with a standard error in place of each leaf's value \[1/sr\], of Y if there is colour.
+    ///
+    /// # Errors
+    /// If trees cannot be built.
+    pub fn errors_of(&self, bsdf: &Bsdf) -> Result<Bsdf, FitError> {
+        let mut bands = Vec::new();
+        for band in &bsdf.bands {
+            let mut errors = Band::new(&band.name);
+            for (part, component) in band.components() {
+                let model = self.models.iter().find(|model| model.part == part);
+                if let (Some(model), Scattering::Tree(tree)) = (model, &component.luminance) {
+                    errors.insert(part, Component::grey(model.error_tree(tree)?.into()));
+                }
+            }
+            bands.push(errors);
+        }
+        Ok(Bsdf { bands, ..Bsdf::default() })
     }
 
     /// Scores of all recipes by part.

@@ -39,7 +39,7 @@ mod fit;
 
 pub use blend::Recipe;
 pub use choose::Score;
-pub use fit::{Fit, FitError, Made, Options};
+pub use fit::{Fit, FitError, Options};
 pub use frame::Frame;
 pub use incidence::Blend;
 pub use measurement::{Measurement, Scan, Symmetry};

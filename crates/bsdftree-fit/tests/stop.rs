@@ -67,7 +67,7 @@ fn a_stopped_fit_leaves_steps_undone() {
 fn stopped_trees_leave_cells_undone() {
     let fit = Fit::new(&glossy(6), &Options::default(), &Progress::default()).unwrap();
     for after in [0, 1, 100] {
-        let (result, done, total) = stopped_after(after, |p| fit.made(Rank::Four, 6, 0.01, p));
+        let (result, done, total) = stopped_after(after, |p| fit.bsdf(Rank::Four, 6, 0.01, p));
         assert!(matches!(result, Err(FitError::Stopped(_))), "{after}: {done} of {total}");
         assert!(after == 0 || (after..total).contains(&done), "{after}: {done} of {total}");
     }

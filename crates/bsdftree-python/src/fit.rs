@@ -79,7 +79,7 @@ impl Fit {
         Ok(PyArray1::from_vec(py, py.detach(|| self.0.error(i, o))))
     }
 
-    /// Trees and their errors; what is not given is chosen.
+    /// Trees; what is not given is chosen.
     #[pyo3(signature = (*, rank, log2_res, tolerance, progress))]
     fn bsdf(
         &self,
@@ -88,14 +88,19 @@ impl Fit {
         log2_res: Option<u32>,
         tolerance: Option<f64>,
         progress: Option<Bound<'_, PyAny>>,
-    ) -> PyResult<(Bsdf, Bsdf)> {
+    ) -> PyResult<Bsdf> {
         let rank = rank.map(self::rank).transpose()?.unwrap_or(self.0.rank());
         let log2_res = log2_res.unwrap_or_else(|| self.0.log2_res(rank));
         let tolerance = tolerance.unwrap_or_else(|| self.0.tolerance());
         let shared = Progress::default();
-        let trees = watched(py, &shared, progress, |p| self.0.made(rank, log2_res, tolerance, p))?
+        let bsdf = watched(py, &shared, progress, |p| self.0.bsdf(rank, log2_res, tolerance, p))?
             .map_err(value_error)?;
-        Ok((made(trees.bsdf), made(trees.errors)))
+        Ok(made(bsdf))
+    }
+
+    /// Standard errors of trees that [`Fit::bsdf`] made.
+    fn errors_of(&self, py: Python<'_>, bsdf: &Bsdf) -> PyResult<Bsdf> {
+        Ok(made(py.detach(|| self.0.errors_of(&bsdf.bsdf)).map_err(value_error)?))
     }
 
     /// Name, reason, and cross-validated error of each symmetry that was tried.
