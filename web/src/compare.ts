@@ -7,6 +7,7 @@ import { difference, differenceScale, DIVERGING_PIXELS, paint, RATIO, ratio } fr
 import { Disk } from "./disk";
 import { make } from "./dom";
 import { Legend } from "./legend";
+import { isFinerThan, largestOfFour, peak } from "./picture";
 import { Scale } from "./scale";
 import { showsTheSame, type State } from "./state";
 import type { Set, View } from "./view";
@@ -58,11 +59,16 @@ export class Compare implements View {
   private paint(one: Opened, other: Opened, state: State): void {
     const n = state.moving ? COARSE : FINE;
     const fronts = [state.incident[2] > 0, state.incident[2] <= 0];
-    const values = (file: Opened, front: boolean): Float32Array => file.hemisphere(file.band(state.band), state.incident, front, n);
-    const pictures = fronts.map((front) => [values(one, front), values(other, front)] as const);
+    // Both as finely as the finer one, so that what is compared lies at the same places.
+    const isFine = !state.moving && [one, other].some((file) => isFinerThan(n, file, file.band(state.band)));
+    const places = isFine ? 2 * n : n;
+    const values = (file: Opened, front: boolean): Float32Array => file.hemisphere(file.band(state.band), state.incident, front, places);
+    const drawn = (values: Float32Array): Float32Array => (isFine ? largestOfFour(values, n) : values);
+    const samples = fronts.map((front) => [values(one, front), values(other, front)] as const);
+    const pictures = samples.map(([a, b]) => [drawn(a), drawn(b)] as const);
     const largest = pictures.map((pair) => Math.max(...pair.map(peak)));
     const scale = Scale.of(state, Math.max(...largest));
-    const apart = pictures.map(([a, b]) => difference(a, b));
+    const apart = samples.map(([a, b]) => drawn(difference(a, b)));
     const most = Math.max(...apart.map((values) => peak(values.map(Math.abs))));
     const differences = differenceScale(state.decades / 2, most || scale.highest);
     this.names.replaceChildren(...[`A: ${one.name}`, `B: ${other.name}`, "difference B − A", "ratio B / A"].map((text) => make("span", { title: text }, text)));
@@ -117,11 +123,6 @@ class Row {
   point(state: State): void {
     this.disks.forEach((disk) => disk.point(state));
   }
-}
-
-/** NaN is never larger. */
-function peak(values: Float32Array): number {
-  return values.reduce((most, value) => (value > most ? value : most), 0);
 }
 
 function rowOf(texts: readonly string[], tag: "th" | "td"): HTMLElement {

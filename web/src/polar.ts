@@ -5,6 +5,7 @@ import type { Direction } from "./core";
 import { Disk } from "./disk";
 import { make } from "./dom";
 import { Legend } from "./legend";
+import { isFinerThan, peak, picture } from "./picture";
 import { Scale } from "./scale";
 import { showsTheSame, type State } from "./state";
 import type { Set, View } from "./view";
@@ -43,17 +44,15 @@ export class PolarMaps implements View {
     const fronts = [incident[2] > 0, incident[2] <= 0] as const;
     const file = state.first!;
     const band = file.band(state.band);
-    // Leaves that are finer than pixels would be missed.
-    const isFine = !state.moving && finest(state) > n / 2;
-    const pictures = fronts.map((front) => (isFine ? largestOfFour(file.hemisphere(band, incident, front, 2 * n), n) : file.hemisphere(band, incident, front, n)));
-    // NaN is never larger.
-    const largest = pictures.map((values) => values.reduce((most, value) => (value > most ? value : most), 0));
+    const isFine = !state.moving && isFinerThan(n, file, band);
+    const pictures = fronts.map((front) => picture(file, band, incident, front, n, isFine));
+    const largest = pictures.map(peak);
     const scale = Scale.of(state, Math.max(...largest));
     this.disks.forEach((disk, k) => {
       const front = fronts[k]!;
       const edges = state.edges && !state.moving ? file.edges(band, incident, front, n) : null;
-      const picture = natural ? new ImageData(new Uint8ClampedArray(file.colours(band, incident, front, n, scale)), n) : scale.paint(pictures[k]!);
-      disk.draw(front, picture, edges, largest[k] === 0);
+      const image = natural ? new ImageData(new Uint8ClampedArray(file.colours(band, incident, front, n, scale)), n) : scale.paint(pictures[k]!);
+      disk.draw(front, image, edges, largest[k] === 0);
       disk.ring(needle(pictures[k]!, largest[k]!), n);
     });
     this.legend.draw(state, scale);
@@ -65,24 +64,4 @@ function needle(values: Float32Array, largest: number): number {
   let n = 0;
   for (const value of values) if (value > largest / 2) n++;
   return largest > 0 && n < values.length / 2000 ? values.indexOf(largest) : -1;
-}
-
-/** Cells along an edge of the finest tree, 0 of matrices. */
-function finest({ first, band }: State): number {
-  const components = first!.summary.bands.find(({ name }) => name === band)?.components ?? [];
-  return Math.max(0, ...components.map(({ form }) => (form.log2_res === undefined ? 0 : 2 ** form.log2_res)));
-}
-
-/** Half as large a picture, n × n, without losing what is narrow. */
-function largestOfFour(values: Float32Array, n: number): Float32Array {
-  const picture = new Float32Array(n * n);
-  for (let row = 0; row < n; row++) {
-    for (let column = 0; column < n; column++) {
-      const corner = 4 * row * n + 2 * column;
-      let most = NaN;
-      for (const k of [corner, corner + 1, corner + 2 * n, corner + 2 * n + 1]) if (!(values[k]! <= most)) most = Number.isNaN(values[k]!) ? most : values[k]!;
-      picture[row * n + column] = most;
-    }
-  }
-  return picture;
 }

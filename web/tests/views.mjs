@@ -209,7 +209,7 @@ main(["from-function", "r", "g", "b", "-c", "reflection_back", "-c", "transmissi
   assert.notEqual(await page.locator("#first").inputValue(), "red.xml");
 }
 
-/** A mirror's peak, a few leaves of 2⁻⁸, is seen in lobes and maps, where it is ringed. */
+/** A mirror's peak, a few leaves of 2⁻⁸, is seen in lobes, in maps, where it is ringed, and beside another file. */
 async function needlesAreSeen(page, folder) {
   const needle = join(folder, "needle.xml");
   const program = `
@@ -228,8 +228,10 @@ main(["from-function", "needle", "--rank", "3", "-c", "reflection_back", "--log2
   const inLobes = await largest("Lobes", "#lobes .ticks span");
   const inMaps = await largest("Polar maps", ".view:not([hidden]) .legend .ticks span");
   assert.equal(await page.locator(".disk:has(#reflection) .needle").getAttribute("visibility"), "visible");
-  assert.ok(inLobes > 50 && inMaps > 50, `${inLobes} and ${inMaps} at the top of scales`);
   await keep(page, "needle");
+  await show(page, needle, blinds);
+  const beside = await largest("Compare", "#compare .legends > :first-child .ticks span");
+  assert.ok(inLobes > 50 && inMaps > 50 && beside > 50, `${inLobes}, ${inMaps} and ${beside} at the top of scales`);
 }
 
 async function touchMovesTheLight(viewer, problems) {
