@@ -28,8 +28,8 @@ const MOST: f64 = 2.0;
 /// A part of the distance of centres from a map counts as error, since a map that is far off may help by chance.
 const DOUBT: f64 = 0.1;
 
-/// A lobe is looked for where it leaves within this radius.
-const CLEAR: f64 = 0.98;
+/// A lobe is looked for where it leaves within this radius, in direction cosines.
+pub(crate) const CLEAR: f64 = 0.98;
 
 /// Scans that guesses are made from.
 const N_GUESSED: usize = 16;

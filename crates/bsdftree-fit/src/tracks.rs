@@ -14,7 +14,7 @@ use crate::incidence::{Blend, Incidence, Line, Plane, Weights, lambert_radius};
 use crate::lambert::{self, Ray};
 use crate::link::{Group, Spot, Spots, followed};
 use crate::lobes::{Lobe, NONE, lobes_of};
-use crate::path::{Path, cosines};
+use crate::path::{CLEAR, Path, cosines};
 use crate::progress::{Progress, Stopped};
 use crate::raster::Raster;
 
@@ -169,7 +169,7 @@ impl Track {
                     let z = 1.0 - x * x - y * y;
                     let n = labels[k].len().isqrt();
                     let point = lambert::point([x, y, z.max(0.0).sqrt()].map(|c| c as f32));
-                    z > CLEAR * CLEAR && labels[k][Raster::pixel(n, point)] == NONE
+                    x.hypot(y) < CLEAR && labels[k][Raster::pixel(n, point)] == NONE
                 };
                 let weights = track.places.weights(incidents[k]).0;
                 track.member(k).is_none() && track.place(incidents[k], &weights).is_some_and(dark)
@@ -246,9 +246,6 @@ impl Track {
         here.clamp(0.0, if self.path.is_way() { strongest.min(1.0) } else { STRONGEST * strongest })
     }
 }
-
-/// A lobe is looked for where it leaves with a cosine of this or more.
-const CLEAR: f64 = 0.2;
 
 fn incidence_of(incidents: &[Ray], numbers: impl Iterator<Item = usize>, line: bool) -> Option<Incidence> {
     let numbers: Vec<usize> = numbers.collect();
