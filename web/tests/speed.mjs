@@ -1,4 +1,4 @@
-// How fast the viewer is: seconds until a file of about 45 MB is shown, and frames per second while the incident direction is dragged, for each view.
+// How fast the viewer is: seconds until a file of about 45 MB is shown, and each view of it; frames per second while the incident direction is dragged.
 //
 // node tests/speed.mjs [FILE…]; without files one of a glossy function is made, 2⁶ cells per axis. What it needs: harness.mjs. No test: figures are those of this machine,
 // without a graphics card (software GL), in whatever else it is doing; processor time per frame, of all threads of the browser, says what it would be if it were idle.
@@ -41,11 +41,13 @@ async function measure(viewer, file) {
   const shown = performance.now() - begun;
   console.log(`${read} (${(statSync(file).size / 1e6).toFixed(1)} MB), shown after ${(shown / 1000).toFixed(2)} s`);
   for (const tab of await page.getByRole("tab").allTextContents()) {
+    const clicked = performance.now();
     await choose(page, tab);
+    const drawn = (performance.now() - clicked) / 1000;
     const before = processorSeconds();
     const { frames, seconds } = await page.evaluate(dragged, SECONDS);
     const each = (1000 * (processorSeconds() - before)) / frames;
-    console.log(`  ${tab.padEnd(12)} ${(frames / seconds).toFixed(1).padStart(5)} frames/s while dragging, ${each.toFixed(1)} ms of processors each`);
+    console.log(`  ${tab.padEnd(12)} shown after ${drawn.toFixed(2)} s, ${(frames / seconds).toFixed(1).padStart(5)} frames/s while dragging, ${each.toFixed(1)} ms of processors each`);
   }
   await page.close();
 }
