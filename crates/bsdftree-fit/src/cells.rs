@@ -157,9 +157,10 @@ fn fine_mean(level: f32, cells: Cells, f: impl Fn(usize, usize) -> f32) -> f32 {
     if is_smooth(low, high, mean, level, ROUGH) {
         return mean;
     }
+    // The first of them are those sixteen.
     let n_moved = cells.n_moved();
-    let pairs = MOVED[..n_moved].iter().flat_map(|step| (0..N_POINTS).map(move |i| (i, partner(i) ^ step)));
-    pairs.map(|(i, o)| f(i, o)).sum::<f32>() / (N_POINTS * n_moved) as f32
+    let more = MOVED[1..n_moved].iter().flat_map(|step| (0..N_POINTS).map(move |i| (i, partner(i) ^ step)));
+    more.fold(sum, |sum, (i, o)| sum + f(i, o)) / (N_POINTS * n_moved) as f32
 }
 
 /// Whether an exitant cell differs so much from one beside it that an edge may lie between its points.
